@@ -13,15 +13,7 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.measure import Statistics
 from jostle_lab.race import Race, refusal
-from jostle_lab.simulate.engine import (
-    Create,
-    Engine,
-    Hooks,
-    LoadedScene,
-    SceneLoader,
-    Then,
-    expected,
-)
+from jostle_lab.simulate.engine import Create, Engine, LoadedScene, SceneLoader, Then, expected
 from jostle_lab.simulate.frame import FrameRequest
 from jostle_lab.simulate.history import History
 from jostle_lab.simulate.settings import METHODS, RULES, Settings
@@ -46,25 +38,20 @@ class Runner:
         self.picture, self.statistics = Picture(), Statistics()  # of the present simulation
         self.race: Race | None = None  # the comparison with another method
         self.paused = False
-        self._begin_history(engine.simulation)
+        self.history = engine.history = History(engine.simulation)
+        engine.act = interaction.before_step
 
     # Scenes
 
-    def begin(self, settings: Settings, then: Then | None = None) -> None:
-        """Begin a scene with other settings, and call `then`; an error becomes a message.
+    def begin(self, settings: Settings, rival: str | None = None) -> None:
+        """Begin a scene with other settings; an error becomes a message.
 
-        A comparison begins again with the new scene.
+        It is compared with `rival`, a method, or with that of the present comparison, if any.
         """
-        method = self.race.method if self.race else None
-
-        def begun() -> None:
-            if method:
-                self._start_race(method)
-            if then is not None:
-                then()
-
+        rival = rival or (self.race.method if self.race else None)
+        then = partial(self._start_race, rival) if rival else None
         message = f"Preparing {expected(settings):,} particles …"
-        self.replace(partial(start, settings), message, begun, settings)
+        self.replace(partial(start, settings), message, then, settings)
 
     def replace(
         self,
@@ -124,7 +111,7 @@ class Runner:
         self._interaction.reset()
         self.engine.request = self._first_request
         self.engine.take(new.simulation, new.frame)
-        self._begin_history(new.simulation, new.state)
+        self.history = self.engine.history = new.history
         self.picture = Picture()  # the worker thread may still use the previous one
         self.statistics.restart()
         self.statistics.sum_up(self.engine.frame)
@@ -189,7 +176,7 @@ class Runner:
         if reason := refusal(self.engine.settings.method, method, count):
             self._messages.say(reason)
         else:
-            self.begin(self._next_settings, then=partial(self._start_race, method))
+            self.begin(self._next_settings, method)
 
     def _start_race(self, method: str) -> None:
         self.end_race()
@@ -241,7 +228,7 @@ class Runner:
         self._show_errors()
         self._camera.follow(engine.view)
         self._interaction.follow()
-        running, step_seconds = not self.paused, engine.whole_seconds
+        running, step_seconds = not self.paused, engine.step_seconds
         statistics.follow(engine.frame, now, elapsed, running=running, step_seconds=step_seconds)
         return steps
 
@@ -289,16 +276,6 @@ class Runner:
             self.picture = Picture()
 
         self.engine.edit(restore, changes=False, then=then)
-
-    def _begin_history(self, simulation: Simulation, state: bytes | None = None) -> None:
-        """Begin a new history; an abandoned step still writes to the previous one."""
-        self.history = history = History(simulation, state)
-
-        def before(simulation: Simulation) -> None:
-            if self._interaction.before_step(simulation):
-                history.touch()
-
-        self.engine.hooks = Hooks(before, history.after, history.touch)
 
     # Drawing
 

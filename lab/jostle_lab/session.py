@@ -23,16 +23,14 @@ from jostle_lab.storage.files import Files
 class Session:
     """One run of the program, composed of parts.
 
-    `size` is that of the canvas, and `left` the margin of the scene, in pixels. In synchronous
-    mode, for tests and videos, steps, edits and new scenes are computed by the calling thread.
-    Otherwise they are computed on worker threads, and the last finished frame is shown.
+    `size` is that of the canvas in pixels. In synchronous mode, for tests and videos, steps, edits
+    and new scenes are computed by the calling thread. Otherwise they are computed on worker
+    threads, and the last finished frame is shown.
     """
 
-    def __init__(
-        self, simulation: Simulation, size: Size, left: int = 0, *, synchronous: bool = False
-    ) -> None:
+    def __init__(self, simulation: Simulation, size: Size, *, synchronous: bool = False) -> None:
         self.engine = Engine(simulation, synchronous=synchronous)  # steps the simulation
-        self.camera = Camera(size, simulation.view, left=left)
+        self.camera = Camera(size, simulation.view)
         self.view_options = ViewOptions(tree=TreeView.OUTLINE)
         self.messages = Messages()  # and the time of the session
         self.interaction = Interaction(self.engine, self.camera, self.messages)

@@ -31,9 +31,14 @@ class Driver:
     """Scripted input of a window."""
 
     def __init__(
-        self, simulation: Simulation, *, synchronous: bool = True, paused: bool = False
+        self,
+        simulation: Simulation,
+        *,
+        synchronous: bool = True,
+        paused: bool = False,
+        steps: int | None = None,
     ) -> None:
-        self.window = Window(simulation, SIZE, synchronous=synchronous)
+        self.window = Window(simulation, SIZE, steps, synchronous=synchronous)
         self.window.builders = []  # no panels between the mouse and the scene
         self.session = self.window.session
         self.session.runner.paused = paused

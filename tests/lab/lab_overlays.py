@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pytest
 
 from jostle_lab.draw.camera import Camera
+from jostle_lab.draw.screen import NoRendererError, Screen
 from jostle_lab.simulate.frame import Frame, FrameContacts, StepStats
 
 SIZE = (320, 240)
@@ -77,3 +79,11 @@ def touching_of(pairs, normals, depths, impulses=(), walls=()) -> FrameContacts:
         np.array([normal for _, normal, _ in walls], np.float32).reshape(-1, 2),
         np.array([impulse for _, _, impulse in walls], np.float32),
     )
+
+
+def open_screen(renderer: str, size: tuple[int, int] = SIZE) -> Screen:
+    """Open a window; skip the test where there is no such renderer."""
+    try:
+        return Screen(size, renderer)
+    except NoRendererError as error:
+        pytest.skip(str(error))

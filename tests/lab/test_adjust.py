@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import jostle
-from jostle_lab.session import Session
 from jostle_lab.simulate.containers import InitialRegion, bounds, moved_inside
 from jostle_lab.simulate.settings import Group, Polyline, Settings
 from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
@@ -98,15 +97,14 @@ def test_where_there_is_no_room_nothing_changes_and_it_is_said(n: int) -> None:
     assert simulation.world.state_hash() == before and simulation.settings.n == 200
 
 
-def test_a_session_begins_anew_where_there_is_no_room() -> None:
-    session = Session(gas(200), (800, 600), synchronous=True)
+def test_a_session_begins_anew_where_there_is_no_room(open_session) -> None:
+    session = open_session("gas", 200)
     session.engine.step()
     session.runner.adjust("n", 190)
     assert len(session.frame) == 190 and session.frame.stats.time > 0
     session.runner.adjust("n", 2_000)
     assert len(session.frame) == session.settings.n == 2_000
     assert session.frame.stats.time == 0 and "begins anew" in session.message
-    session.close()
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=str)
@@ -189,8 +187,8 @@ def test_walls_are_the_same_after_going_back_to_a_state() -> None:
     assert bounds(simulation.world.container) == pytest.approx(bounds(gas(100).world.container))
 
 
-def test_the_camera_shows_the_world_that_has_grown() -> None:
-    session = Session(gas(100), (800, 600), synchronous=True)
+def test_the_camera_shows_the_world_that_has_grown(open_session) -> None:
+    session = open_session("gas", 100)
     scale = session.camera.scale
     session.runner.paused = True
     session.runner.adjust("world_size", 2.0)
@@ -201,7 +199,6 @@ def test_the_camera_shows_the_world_that_has_grown() -> None:
     session.runner.adjust("world_size", 1.0)
     session.advance(0.0)
     assert session.camera.scale == zoomed  # who looks closely goes on looking there
-    session.close()
 
 
 def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:
@@ -253,15 +250,14 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
         ("threads", 1),
     ],
 )
-def test_rules_change_without_a_new_beginning(name: str, value: object) -> None:
-    session = Session(gas(50), (800, 600), synchronous=True)
+def test_rules_change_without_a_new_beginning(open_session, name: str, value: object) -> None:
+    session = open_session("gas", 50)
     session.engine.step()
     time = session.frame.stats.time
     session.runner.adjust(name, value)
     world = session.engine.simulation.world
     assert getattr(world, name) == value and getattr(session.settings, name) == value
     assert session.frame.stats.time == time
-    session.close()
 
 
 def test_what_the_library_refuses_is_said_and_changes_nothing() -> None:

@@ -1,15 +1,17 @@
 """Which colours particles get, and what a legend says of them."""
 
+import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pygame
 import pytest
 from lab_overlays import frame_of
 
 from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.palette import DISCS, FIXED_SHADE, SHADES, STAGE
-from jostle_lab.draw.text import FONTS, font_file
+from jostle_lab.draw.text import FONT, ICONS, font_file
 from jostle_lab.draw.view_options import ColourBy
 
 PLACES = [(10, 10), (20, 20), (30, 30)]
@@ -24,6 +26,9 @@ SPEEDS = [(0, 0), (3, 0), (0, 9)]
         (ColourBy.DENSITY, {"densities": [1, 2, 3]}, "density"),
         (ColourBy.AGE, {"born": [0, 5, 9], "time": 10.0}, "age"),
         (ColourBy.ENERGY, {"velocities": SPEEDS}, "kinetic energy"),
+        (ColourBy.AUTO, {"densities": [1, 10, 20], "radii": [1, 2, 3]}, "density"),
+        (ColourBy.AUTO, {"radii": [1, 2, 3], "velocities": SPEEDS}, "radius"),
+        (ColourBy.AUTO, {"velocities": SPEEDS}, "speed"),
     ],
 )
 def test_colours_rise_with_the_quantity(by: ColourBy, columns: dict, shows: str) -> None:
@@ -93,6 +98,7 @@ def test_what_cannot_move_is_grey_and_does_not_stretch_the_ramp() -> None:
     frame = frame_of(PLACES, densities=[1, 2, 1_000_000], movable=[True, True, False])
     for by in ColourBy:
         assert Colouring().shades(frame, by)[2] == FIXED_SHADE
+    assert Colouring().shades(frame, ColourBy.DENSITY)[0] == 0
     assert Colouring().shades(frame, ColourBy.DENSITY)[1] == SHADES - 1
 
 
@@ -117,11 +123,11 @@ def test_the_ramp_of_discs_rises_evenly_in_lightness() -> None:
     assert levels[-1] - levels[0] > 40
 
 
-def test_text_has_a_font_that_comes_with_the_simulator() -> None:
-    path = font_file()
-    assert path is not None and {"imgui_bundle", "matplotlib"} & set(Path(path).parts)
-    assert font_file((("no_such_package", "a.ttf"), *FONTS)) == path
-    assert font_file((("matplotlib", "no such file"),)) is None
+def test_text_has_a_font_that_comes_with_the_simulator(monkeypatch) -> None:
+    for font in (FONT, ICONS):
+        assert Path(font_file(font)).is_file()
+    monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
+    assert font_file.__wrapped__() is None and pygame.font.Font(None).get_height()
 
 
 def test_colours_follow_what_becomes_immovable() -> None:

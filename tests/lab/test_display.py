@@ -4,16 +4,18 @@ import importlib.util
 import os
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import moderngl
 import numpy as np
 import pygame
 import pytest
+from lab_overlays import open_screen
 
 import jostle
-from jostle_lab.draw import background_render
+from jostle_lab import cli
+from jostle_lab.draw import background_render, opengl
 from jostle_lab.draw.background_render import LONG, BackgroundRenderer
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import GROUND
@@ -37,20 +39,8 @@ KINDS = [
 
 
 @pytest.fixture
-def open_window() -> Iterator:
-    windows = []
-
-    def make(n: int = 50, **options: object) -> Window:
-        try:
-            windows.append(Window(start(Settings("gas", n)), SIZE, **options, synchronous=True))
-        except NoRendererError as error:
-            pytest.skip(str(error))
-        pygame.event.clear()
-        return windows[-1]
-
-    yield make
-    for window in windows:
-        window.close()
+def open_gas(open_window: Callable[..., Window]) -> Callable[..., Window]:
+    return lambda n=50, **options: open_window(Settings("gas", n), **options)
 
 
 def picture_of(painter) -> np.ndarray:
@@ -77,10 +67,7 @@ def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
             return call(*args, **options)
 
         monkeypatch.setattr(pygame.display, name, noted)
-    try:
-        window = Screen(SIZE, renderer)
-    except NoRendererError as error:
-        pytest.skip(str(error))
+    window = open_screen(renderer)
     # pygame gives a new OpenGL window its own icon.
     assert (calls[0], calls[-1]) == ("set_icon", "set_icon")
     window.fall_back()
@@ -89,11 +76,7 @@ def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
 
 
 def test_software_opengl_is_used_only_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    opengl = pytest.importorskip("jostle_lab.draw.opengl")
-    try:
-        name = Screen(SIZE, "opengl").painter.renderer
-    except NoRendererError as error:
-        pytest.skip(str(error))
+    name = open_screen("opengl").painter.renderer
     monkeypatch.setattr(opengl, "_EMULATORS", (name.lower(),))
     assert Screen(SIZE, "auto").painter.name == "software"
     assert Screen(SIZE, "opengl").painter.name == "opengl"
@@ -112,25 +95,22 @@ def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch
         Screen(SIZE, "opengl")
 
 
-def test_without_imgui_the_command_names_the_python_that_has_it(monkeypatch, capsys) -> None:
-    from jostle_lab import cli
-
+def test_without_imgui_the_command_names_the_python_that_has_it(
+    monkeypatch, jostle_command
+) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: find(name) if name != "imgui_bundle" else None
     )
     monkeypatch.setattr(cli.commands, "has_display", lambda: True)
-    monkeypatch.setattr(sys, "argv", ["jostle", "run", "gas"])
-    with pytest.raises(SystemExit):
-        cli.main()
-    assert "needs Python 3.11" in capsys.readouterr().err
+    assert "needs Python 3.11" in jostle_command.refuses("run", "gas")
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
 def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
-    open_window, renderer, monkeypatch
+    open_gas, renderer, monkeypatch
 ) -> None:
-    window = open_window(renderer=renderer)
+    window = open_gas(renderer=renderer)
     built = []
     window.builders.append(lambda session, host: built.append((session, host)))
     for size in [(500, 300), (640, 360)]:
@@ -146,9 +126,8 @@ def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
     assert built and built[0] == (window.session, window.gui)
 
 
-def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window) -> None:
-    moderngl = pytest.importorskip("moderngl")
-    window = open_window(renderer="opengl")
+def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_gas) -> None:
+    window = open_gas(renderer="opengl")
     window.builders.append(lambda session, host: None)
     window.frame(FRAME)
     steps, frame = window.session.engine.steps, window.session.frame
@@ -170,8 +149,8 @@ def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window)
     assert picture_of(window.painter).std() > 1
 
 
-def test_what_is_wrong_in_software_is_not_hidden(open_window) -> None:
-    window = open_window(renderer="software")
+def test_what_is_wrong_in_software_is_not_hidden(open_gas) -> None:
+    window = open_gas(renderer="software")
 
     def wrong() -> None:
         raise pygame.error("wrong")
@@ -181,8 +160,8 @@ def test_what_is_wrong_in_software_is_not_hidden(open_window) -> None:
         window.frame(FRAME)
 
 
-def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_window) -> None:
-    window = open_window()
+def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_gas) -> None:
+    window = open_gas()
     window.frame(FRAME)
     before, steps = picture_of(window.painter), window.session.engine.steps
     pygame.event.post(pygame.event.Event(pygame.WINDOWMINIMIZED))
@@ -195,8 +174,8 @@ def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_window) -> 
     assert (picture_of(window.painter) != before).any()
 
 
-def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatch) -> None:
-    window = open_window()
+def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_gas, monkeypatch) -> None:
+    window = open_gas()
     monkeypatch.setattr(pygame.display, "get_window_size", lambda: (320, 180))
     assert window.screen.scale == 2.0
     pygame.event.post(
@@ -207,9 +186,8 @@ def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatc
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
-def test_panels_without_events_are_built_every_other_frame(open_window, renderer: str) -> None:
-    pytest.importorskip("imgui_bundle")
-    window, built = open_window(renderer=renderer), []
+def test_panels_without_events_are_built_every_other_frame(open_gas, renderer: str) -> None:
+    window, built = open_gas(renderer=renderer), []
     window.session.runner.paused = True
     window.builders.append(lambda session, host: built.append(True))
     for _ in range(30):
@@ -292,8 +270,8 @@ def test_few_particles_are_always_drawn_at_once() -> None:
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
-def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) -> None:
-    window = open_window(200_000, renderer=renderer)
+def test_a_window_on_many_particles_closes_at_any_time(open_gas, renderer) -> None:
+    window = open_gas(200_000, renderer=renderer)
     window.frame(FRAME)
     assert window.background.in_background  # later pictures may be quick enough for the window
     for _ in range(2):

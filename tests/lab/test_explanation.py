@@ -16,7 +16,6 @@ from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.window import Window
 
 VIEW = (0.0, 0.0, 100.0, 100.0)
 TREE = FrameRequest(tree=True)
@@ -178,8 +177,10 @@ def test_the_answer_is_drawn(size) -> None:
 
 @pytest.mark.parametrize("size", [(1280, 720), (640, 360)])
 @pytest.mark.parametrize("pair", ["highest", "lowest"])
-def test_the_sentences_are_on_the_screen_and_not_over_the_pair(size, pair: str) -> None:
-    window = Window(start(Settings("gas", 300)), size, renderer="software", synchronous=True)
+def test_the_sentences_are_on_the_screen_and_not_over_the_pair(
+    open_window, size, pair: str
+) -> None:
+    window = open_window(Settings("gas", 300), size, renderer="software")
     session = window.session
     session.runner.paused = True
     order = np.argsort(session.frame.positions[:, 1])
@@ -190,6 +191,5 @@ def test_the_sentences_are_on_the_screen_and_not_over_the_pair(size, pair: str) 
         window.frame(1 / 60)
     card = window.gui.marks["explanation"]
     x, y = session.camera.to_screen(session.frame.positions[chosen])
-    window.close()
     assert pygame.Rect((0, 0), size).contains(card)
     assert not any(card.collidepoint(place) for place in zip(x, y, strict=True))

@@ -31,16 +31,17 @@ NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
 @pytest.fixture
-def session(tmp_path: Path):
-    session = Session(start(Settings("gas", 60)), (640, 360), synchronous=True)
+def session(open_session, tmp_path: Path) -> Session:
+    session = open_session("gas", 60)
     session.files.folder = tmp_path / "out"
-    yield session
-    session.close()
+    return session
 
 
-def wait(session: Session) -> None:
-    """Show the results of exports; in a synchronous session they are finished."""
-    session.advance(0.0)
+def save(session: Session, path: Path) -> None:
+    """Save the scene with a name of the test's choice."""
+    session.files.folder = path.parent
+    session.files.save()
+    session.files.scenes()[0].rename(path)
 
 
 @pytest.mark.parametrize("settings", SCENES, ids=NAMES)
@@ -148,7 +149,7 @@ def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, se
     first.camera.zoom_at((100, 100), 2.0)
     first.view_options.tree, first.view_options.colour_by = TreeView.FILLED, ColourBy.MASS
     first.view_options.velocities = True
-    first.files.save(tmp_path / "one.jostle")
+    save(first, tmp_path / "one.jostle")
     second = Session(start(Settings("rain", 5)), (1280, 720), synchronous=True)
     second.files.load(tmp_path / "one.jostle")
     assert second.message == "Loaded one.jostle"
@@ -178,7 +179,7 @@ def test_files_have_names_of_their_own_and_a_notice_says_where(session: Session)
 
 
 def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
-    session.files.save(folder / "good.jostle")
+    save(session, folder / "good.jostle")
     good = (folder / "good.jostle").read_bytes()
     bad = {
         "empty.jostle": b"",
@@ -223,7 +224,7 @@ SAID = {
     "deep.jostle": "its attachment is not of the simulator",
     "setting.jostle": "settings.seeb is not a setting; did you mean seed?",
     "shown.jostle": "shown.tree is 'outlime'; it must be one of off, out",
-    "camera-center.jostle": "camera.center is [0, nan]; it must be [x,",
+    "nowhere.jostle": "camera.center is [0, nan]; it must be [x,",
 }
 
 
@@ -260,7 +261,7 @@ def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None
         session.messages.now += 1 / 60
         session.advance(1 / 60)
     session.files.export_csv()
-    wait(session)
+    session.advance(0.0)  # shows the results
     energies, positions = sorted(
         session.files.folder.glob("*.csv"), key=lambda path: -len(path.name)
     )
@@ -284,7 +285,7 @@ def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None
 def test_csv_of_nothing(session: Session) -> None:
     session.runner.begin(Settings("gas", 0))
     session.files.export_csv()
-    wait(session)
+    session.advance(0.0)  # shows the results
     positions = min(session.files.folder.glob("*.csv"), key=lambda path: len(path.name))
     assert positions.read_text() == "tag,x,y,vx,vy,radius,mass\n"
 
@@ -298,7 +299,7 @@ def test_gsd_is_read_again(session: Session) -> None:
         session.engine.step()
     session.engine.edit(lambda simulation: simulation.change([7], movable=False))
     session.files.export_gsd()
-    wait(session)
+    session.advance(0.0)  # shows the results
     (path,) = session.files.folder.glob("*.gsd")
     frame = session.frame
     with gsd_hoomd.open(str(path), "r") as trajectory:
@@ -331,5 +332,5 @@ def test_an_export_that_fails_becomes_a_notice(session: Session, monkeypatch) ->
 
     monkeypatch.setattr(files, "write_positions", full)
     session.files.export_csv()
-    wait(session)
+    session.advance(0.0)  # shows the results
     assert "No space left" in session.message

@@ -6,10 +6,11 @@ import numpy as np
 import pygame
 import pytest
 from imgui_bundle import imgui
+from lab_overlays import open_screen
 
 from jostle_lab.draw import palette
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.screen import NoRendererError, Screen
+from jostle_lab.draw.screen import Screen
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.software import Shapes, coverage, outlines_of
 
@@ -64,10 +65,7 @@ class Panel:
 
 @pytest.fixture(params=["software", "opengl"])
 def panel(request: pytest.FixtureRequest) -> Iterator[Panel]:
-    try:
-        screen = Screen(SIZE, request.param)
-    except NoRendererError as error:
-        pytest.skip(str(error))
+    screen = open_screen(request.param, SIZE)
     panel = Panel(screen.painter)
     for _ in range(2):
         panel.frame()

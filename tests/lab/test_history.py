@@ -148,8 +148,8 @@ def test_what_changes_nothing_leaves_the_future_alone(tmp_path: Path) -> None:
     session.interaction.drag_tool.drop()
     session.interaction.release(throw=not session.runner.paused)
     session.runner.adjust("time_scale", 0.5)
-    session.files.save(tmp_path / "now.jostle")
     session.files.folder = tmp_path
+    session.files.save()
     session.files.export_gsd()
     for _ in range(3):
         session.advance(1 / 60)
@@ -181,7 +181,7 @@ def test_memory_stays_within_the_budget_and_states_stay_right() -> None:
         history.after(simulation)
         prints[step] = simulation.world.state_hash()
         assert history.bytes <= budget
-        assert history.bytes == sum(len(m.state or b"") for m in history.moments)
+        assert history.bytes == sum(len(m.state) for m in history.moments if m.state)
     assert history.stride > 4 and history.span > 200 / 60
     for index in range(len(history.moments) - 1, -1, -7):
         history.show(simulation, index)

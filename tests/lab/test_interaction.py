@@ -180,19 +180,15 @@ def test_clones_stay_inside_a_circle() -> None:
     assert (np.hypot(*now.T) < 190.01).all()
 
 
-def test_clones_of_immovable_particles_are_immovable() -> None:
-    driver = Driver(world_of([(100, 100)], movable=[False]))
-    driver.session.interaction.commands.clone(driver.session.frame.tags)
-    assert driver.session.frame.movable.tolist() == [False, False]
-
-
-def test_clones_of_sensors_are_sensors() -> None:
+def test_clones_are_sensors_and_immovable_if_the_originals_are() -> None:
     # Two sensors touch: in frames they have the number 2 then.
     places = [(100, 100), (105, 100), (400, 100), (600, 100)]
-    driver = Driver(world_of(places, sensors=[True, False, True, False]))
+    sensors, movable = [True, False, True, False], [True, True, False, False]
+    driver = Driver(world_of(places, sensors=sensors, movable=movable))
     driver.session.engine.step()
     driver.session.interaction.commands.clone(driver.session.frame.tags)
-    assert driver.world.sensors.tolist() == [True, False, True, False] * 2
+    assert driver.world.sensors.tolist() == sensors * 2
+    assert driver.session.frame.movable.tolist() == movable * 2
 
 
 def test_what_is_removed_takes_its_attraction_with_it_and_scenes_keep_their_forces() -> None:
@@ -231,26 +227,17 @@ def test_a_held_particle_is_found_after_others_are_removed() -> None:
     assert speeds[0] == 0 and speeds[1] > 0
 
 
-def test_particles_that_merge_keep_the_tag_of_the_oldest() -> None:
-    places = [(100, 100), (300, 100), (315, 100), (600, 100)]
-    simulation = world_of(places, on_touch="merge")
+def test_particles_that_merge_keep_the_tag_and_the_attraction_of_the_oldest() -> None:
+    simulation = world_of([(100, 100), (300, 100), (315, 100), (600, 100)], on_touch="merge")
     simulation.attract((Attractor(4.0, tag=2), Attractor(4.0, tag=3)))
     simulation.step()
-    frame = simulation.frame()
+    frame, attracting = simulation.frame(), (Attractor(4.0, tag=1), Attractor(4.0, tag=3))
     assert tags(frame.tags) == [0, 1, 3] and len(frame.born) == len(frame.radii) == 3
-    assert frame.radii[1] > 10
-    assert frame.attractors == (Attractor(4.0, tag=1), Attractor(4.0, tag=3))
-
-
-def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None:
-    simulation = world_of([(100, 100), (300, 100), (315, 100), (600, 100)], on_touch="merge")
-    simulation.attract((Attractor(4.0, tag=2),))
-    simulation.step()
-    (force,) = simulation.world.forces
-    assert force.particle == 1 and simulation.frame().attractors == (Attractor(4.0, tag=1),)
+    assert frame.radii[1] > 10 and frame.attractors == attracting
+    assert [force.particle for force in simulation.world.forces] == [1, 3]
     simulation.attract((*simulation.attractors, Attractor(4.0, tag=2)))  # it exists no more
-    assert simulation.frame().attractors == (Attractor(4.0, tag=1),)
-    assert len(simulation.world.forces) == 1
+    assert simulation.frame().attractors == attracting
+    assert len(simulation.world.forces) == 2
     simulation.attract(())
     assert simulation.world.forces == () and simulation.frame().attractors == ()
 
@@ -267,13 +254,6 @@ def test_the_attraction_of_what_has_merged_can_be_stopped() -> None:
     session.interaction.attractors.stop()
     assert session.engine.simulation.world.forces == ()
     session.close()
-
-
-def test_attraction_ends_with_a_particle_that_is_removed() -> None:
-    simulation = world_of([(100, 100), (300, 100)])
-    simulation.attract((Attractor(4.0, tag=1),))
-    simulation.remove([1])
-    assert simulation.frame().attractors == () and simulation.world.forces == ()
 
 
 CONTAINERS = [jostle.Box(*VIEW), jostle.Circle((400, 250), 200.0), jostle.Torus(800.0, 500.0), None]

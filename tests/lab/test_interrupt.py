@@ -99,7 +99,6 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     pytest.importorskip("imgui_bundle")
     from jostle_lab import window as windows
     from jostle_lab.panels import widgets
-    from jostle_lab.simulate.engine import Hooks
     from jostle_lab.simulate.settings import Settings
     from jostle_lab.simulate.start import start
     from jostle_lab.window import Window
@@ -124,7 +123,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     elif moment == "build":
         monkeypatch.setattr(widgets, "slider", pressing(widgets.slider))
     elif moment == "step":
-        window.session.engine.hooks = Hooks(before=pressing(lambda simulation: None))
+        window.session.engine.act = pressing(window.session.engine.act)
     else:
         monkeypatch.setattr(windows, "draw_selection", pressing(windows.draw_selection))
     with pytest.raises(KeyboardInterrupt), interrupt.raised():

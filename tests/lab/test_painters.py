@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
+from lab_overlays import SIZE, camera_of_pixels, frame_of, open_screen
 
 import jostle
 from jostle_lab.draw.base_layers import (
@@ -15,46 +16,17 @@ from jostle_lab.draw.base_layers import (
     draw_outline,
 )
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, blend, level_colour
-from jostle_lab.draw.screen import NoRendererError, Screen
+from jostle_lab.draw.palette import DISCS, SHADES, STAGE, WALL, blend, level_colour
 from jostle_lab.draw.software import MEMORY_LIMIT, Stamps
 from jostle_lab.simulate.frame import Frame
-
-SIZE = (320, 240)
-VIEW = (0.0, 0.0, 320.0, 240.0)
 
 
 @pytest.fixture(scope="module", params=["software", "opengl"])
 def painter(request: pytest.FixtureRequest) -> Iterator[Painter]:
-    try:
-        screen = Screen(SIZE, request.param)
-    except NoRendererError as error:
-        pytest.skip(str(error))
+    screen = open_screen(request.param)
     yield screen.painter
     screen.close()
-
-
-def frame_of(positions, radii, *, densities=1.0, velocities=0.0, movable=True) -> Frame:
-    positions = np.array(positions, np.float32).reshape(-1, 2)
-    n = len(positions)
-    return Frame(
-        positions,
-        np.broadcast_to(np.asarray(velocities, np.float32), (n, 2)),
-        np.broadcast_to(np.asarray(radii, np.float32), n),
-        np.broadcast_to(np.asarray(densities, np.float32), n),
-        np.broadcast_to(np.asarray(movable), n),
-        np.arange(n),
-        np.zeros(n),
-    )
-
-
-def camera_of_pixels() -> Camera:
-    """One world unit is one pixel."""
-    camera = Camera(SIZE, VIEW)
-    camera.scale, camera.center = 1.0, (160.0, 120.0)
-    return camera
 
 
 def draw(painter: Painter, frame: Frame, camera: Camera | None = None, shade: int = 20):
@@ -210,21 +182,3 @@ def test_no_tree_is_no_trouble(painter) -> None:
     draw_outline(painter, tree, camera_of_pixels())
     draw_filled(painter, tree, camera_of_pixels())
     assert not pygame.surfarray.array3d(painter.canvas()).any()
-
-
-def test_colours_show_what_tells_the_particles_apart() -> None:
-    places = [(10, 10), (20, 20), (30, 30)]
-    by_density = frame_of(places, [1, 2, 3], densities=[1, 10, 20])
-    by_radius = frame_of(places, [1, 2, 3])
-    by_speed = frame_of(places, 2, velocities=[(0, 0), (3, 0), (0, 9)])
-    for frame, name in [(by_density, "density"), (by_radius, "radius"), (by_speed, "speed")]:
-        colouring = Colouring()
-        shades = colouring.shades(frame)
-        assert colouring.shows == name
-        assert (np.diff(shades.astype(int)) > 0).all() and shades.max() < SHADES
-
-
-def test_what_cannot_move_is_grey() -> None:
-    frame = frame_of([(1, 1), (2, 2)], [1, 2], movable=[True, False])
-    assert list(Colouring().shades(frame)) == [0, FIXED_SHADE]
-    assert len(Colouring().shades(frame_of([], 1.0))) == 0

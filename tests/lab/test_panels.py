@@ -46,8 +46,8 @@ class Desk:
             panels.build(self.session, self.gui)
             self.gui.end()
 
-    def send(self, kind: int, place: tuple[float, float]) -> None:
-        extra = {} if kind == pygame.MOUSEMOTION else {"button": 1}
+    def send(self, kind: int, place: tuple[float, float], button: int = 1) -> None:
+        extra = {} if kind == pygame.MOUSEMOTION else {"button": button}
         at = (round(place[0]), round(place[1]))
         self.taken.append(self.gui.handle(pygame.event.Event(kind, pos=at, **extra)))
         self.frame()
@@ -56,9 +56,9 @@ class Desk:
         rect = self.gui.marks[mark]
         return rect.left + across * rect.width, rect.centery
 
-    def click(self, mark: str) -> None:
+    def click(self, mark: str, button: int = 1) -> None:
         for kind in (pygame.MOUSEMOTION, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP):
-            self.send(kind, self.place(mark))
+            self.send(kind, self.place(mark), button)
         self.frame(2)
 
     def press(self, mark: str, *ways: float) -> None:

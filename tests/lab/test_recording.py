@@ -36,11 +36,10 @@ def blurred(picture: np.ndarray, side: int) -> np.ndarray:
 
 
 @pytest.fixture
-def session(tmp_path: Path):
-    session = Session(start(Settings("gas", 100)), SIZE, synchronous=True)
+def session(open_session, tmp_path: Path) -> Session:
+    session = open_session("gas", 100, size=SIZE)
     session.files.folder = tmp_path
-    yield session
-    session.close()
+    return session
 
 
 def run(session: Session, seconds: float, rate: float = 60.0) -> None:

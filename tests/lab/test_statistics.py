@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lab_overlays import frame_of
 
 import jostle
 from jostle_lab.measure import EVERY, Series, Statistics, Traces
@@ -19,20 +20,10 @@ def state(
     time: float, kinetic: float, potential: float = 0.0, momentum: tuple[float, float] = (0, 0)
 ) -> Frame:
     """Two discs of mass 1 with sums as a test likes them."""
-    ones = np.ones(2, np.float32)
-    return Frame(
-        positions=np.zeros((2, 2), np.float32),
-        velocities=np.zeros((2, 2), np.float32),
-        radii=ones,
-        densities=ones,
-        movable=ones > 0,
-        tags=np.arange(2),
-        born=np.zeros(2),
-        stats=StepStats(
-            time=time, pairs_tested=7, touching=3, stage_times={"build": 2.0, "pairs": 3}
-        ),
-        energies=Energies(kinetic, potential, momentum),
-    )
+    stages = {"build": 2.0, "pairs": 3}
+    stats = StepStats(time=time, pairs_tested=7, touching=3, stage_times=stages)
+    energies = Energies(kinetic, potential, momentum)
+    return replace(frame_of([(0, 0), (0, 0)], 1.0), stats=stats, energies=energies)
 
 
 def seen(*states: Frame) -> Statistics:
@@ -154,18 +145,17 @@ def test_times_have_a_row_a_frame() -> None:
     assert statistics.times.table[2:].T.tolist() == [[2, 3, 4, 1], [0, 0, 4, 1]]
 
 
-def test_sums_are_asked_for_ten_times_a_second_at_most() -> None:
-    session, asked = Session(start(Settings("gas", 100)), (640, 360), synchronous=True), 0
+def test_sums_are_asked_for_ten_times_a_second_at_most(open_session) -> None:
+    session, asked = open_session("gas", 100), 0
     for _ in range(60):
         session.messages.now += FRAME
         session.advance(FRAME)
         asked += session.engine.request.energies
     assert 5 <= asked <= 11
-    session.close()
 
 
-def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
-    session = Session(start(Settings("gas", 100)), (640, 360), synchronous=True)
+def test_no_picture_is_taken_just_to_begin_drift_again(open_session, monkeypatch) -> None:
+    session = open_session("gas", 100)
     run(session, 0.2)
     looks = []
     monkeypatch.setattr(session.engine, "refresh", lambda: looks.append(1))
@@ -174,18 +164,16 @@ def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
         run(session, FRAME)
     assert not looks
     assert session.runner.statistics.reference is not None
-    session.close()
 
 
-def test_drift_begins_again_also_in_a_pause() -> None:
-    session = Session(start(Settings("pile", 100)), (640, 360), synchronous=True)
+def test_drift_begins_again_also_in_a_pause(open_session) -> None:
+    session = open_session("pile", 100)
     run(session, 0.5)
     session.runner.paused = True
     assert session.runner.statistics.energy_drift != 0
     session.runner.statistics.reset_reference()
     run(session, FRAME)
     assert session.runner.statistics.energy_drift == 0
-    session.close()
 
 
 def test_slow_steps_are_summed_up_less_often() -> None:
@@ -195,8 +183,8 @@ def test_slow_steps_are_summed_up_less_often() -> None:
     assert statistics.energies_due(0.95)
 
 
-def test_lines_are_renewed_by_turns_a_part_a_frame() -> None:
-    session = Session(start(Settings("gas", 100)), (640, 360), synchronous=True)
+def test_lines_are_renewed_by_turns_a_part_a_frame(open_session) -> None:
+    session = open_session("gas", 100)
     traces, renewed = session.traces, []
     for k in range(120):
         before = [traces.frames.copy(), traces.stats, traces.energies, traces.momenta]
@@ -210,7 +198,6 @@ def test_lines_are_renewed_by_turns_a_part_a_frame() -> None:
     parts = np.array(renewed)
     assert parts.sum(axis=1).max() == 1
     assert (parts.sum(axis=0) >= 5).all()
-    session.close()
 
 
 def test_the_stack_of_times_adds_up() -> None:
@@ -263,55 +250,50 @@ def run(session: Session, seconds: float) -> None:
         session.advance(FRAME)
 
 
-def test_a_gas_keeps_its_energy() -> None:
-    session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
+def test_a_gas_keeps_its_energy(open_session) -> None:
+    session = open_session("gas", 200)
     run(session, 1.0)
     statistics = session.runner.statistics
     assert statistics.sums["time"][0] == 0.0, "drift begins with the first state"
     assert statistics.sums["time"][-1] > 0.8
     assert abs(statistics.energy_drift) < 1e-3
-    session.close()
 
 
-def test_merging_is_no_drift() -> None:
-    session = Session(start(Settings("stars", 300)), (640, 360), synchronous=True)
+def test_merging_is_no_drift(open_session) -> None:
+    session = open_session("stars", 300)
     before = len(session.frame)
     for _ in range(40):
         run(session, 0.25)
         assert abs(session.runner.statistics.energy_drift) < 0.02
     assert len(session.frame) < before
-    session.close()
 
 
-def test_fountains_have_no_drift() -> None:
-    session = Session(start(Settings("emitters", 300)), (640, 360), synchronous=True)
+def test_fountains_have_no_drift(open_session) -> None:
+    session = open_session("emitters", 300)
     for _ in range(8):
         run(session, 0.5)
         session.traces.refresh(session.frame, session.messages.now)
         assert session.runner.statistics.changing
         assert abs(session.runner.statistics.energy_drift) < 0.1
-    session.close()
 
 
-def test_a_new_beginning_starts_the_statistics_afresh() -> None:
-    session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
+def test_a_new_beginning_starts_the_statistics_afresh(open_session) -> None:
+    session = open_session("gas", 200)
     run(session, 0.5)
     session.runner.choose_scene("pile")
     assert session.runner.statistics.sums["time"].tolist() == [0.0]
     run(session, 0.3)
     sums = session.runner.statistics.sums
     assert sums["time"][0] == 0.0 and len(sums) > 1
-    session.close()
 
 
-def test_scenes_follow_each_other_in_a_circle() -> None:
-    session = Session(start(Settings("article", 20, method="brute")), (640, 360), synchronous=True)
+def test_scenes_follow_each_other_in_a_circle(open_session) -> None:
+    session = open_session("article", 20, method="brute")
     session.runner.next_scene(-1)
     assert session.engine.scene == jostle.scenes.names()[-1]
     session.runner.next_scene()
     assert session.engine.scene == "article"
     assert session.settings.n is None and session.settings.method == "brute"
-    session.close()
 
 
 def test_open_choices_are_filled_in_with_what_holds() -> None:

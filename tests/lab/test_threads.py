@@ -265,31 +265,34 @@ def test_what_cannot_be_prepared_leaves_the_old_scene() -> None:
 def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(engine, "MESSAGE_DELAY", 0)
     driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
-    session, path = driver.session, tmp_path / "saved.jostle"
-    session.files.save(path)
+    session = driver.session
+    session.files.folder = tmp_path
+    session.files.save()
     settled(driver)
+    (path,) = session.files.scenes()
     session.runner.begin(Settings("pile", 30))
     settled(driver)
     session.files.load(path)
-    assert session.message == "Loading saved.jostle …" and session.engine.scene == "pile"
+    assert session.message == f"Loading {path.name} …" and session.engine.scene == "pile"
     settled(driver)
-    assert session.message == "Loaded saved.jostle"
+    assert session.message == f"Loaded {path.name}"
     assert session.engine.scene == "gas" and len(session.frame) == 20
     path.write_bytes(b"nothing")
     session.files.load(path)
     settled(driver)
-    assert session.message.startswith("saved.jostle holds 7 bytes of something")
+    assert session.message.startswith(f"{path.name} holds 7 bytes of something")
     assert len(session.frame) == 20
 
 
 def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> None:
     driver = Driver(Simulation.of_scene(Settings("gas", 20)))
-    session, path = driver.session, tmp_path / "saved.jostle"
-    session.files.save(path)
+    session = driver.session
+    session.files.folder = tmp_path
+    session.files.save()
     session.runner.toggle_race("brute")
     session.runner.restart()
     assert session.runner.race is not None
-    session.files.load(path)
+    session.files.load(*session.files.scenes())
     assert session.runner.race is None and len(session.frame) == 20
     driver.window.close()
 

@@ -13,6 +13,7 @@ from jostle_lab.draw.base_layers import draw_walls
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import STAGE
 from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.gui.input import ZOOM_STEP
 from jostle_lab.simulate.settings import Polyline, Settings
 from jostle_lab.simulate.start import start
 
@@ -104,16 +105,6 @@ def test_drawn_walls_have_the_friction_of_their_slider() -> None:
     assert driver.world.wall_friction.tolist() == [0.25, 0.25]
 
 
-def test_drawn_walls_can_be_cleared() -> None:
-    driver = Driver(world_of([(200, 250)]))
-    driver.key(pygame.K_2)
-    driver.drag((400, 50), (400, 450))
-    driver.drag((50, 450), (300, 450))
-    assert driver.session.interaction.commands.drawn_walls.tolist() == [0, 1]
-    driver.session.interaction.commands.clear_walls()
-    assert len(driver.session.frame.walls) == 0 == len(driver.world.walls)
-
-
 def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> None:
     simulation = start(Settings("gas", 0, walls=(Polyline(((10, 10), (50, 10), (90, 40))),)))
     driver = Driver(simulation)
@@ -124,7 +115,7 @@ def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> N
     np.testing.assert_array_equal(driver.world.walls, own)
 
 
-def test_a_click_removes_the_wall_under_the_cursor() -> None:
+def test_a_click_removes_the_wall_under_the_cursor_and_all_can_be_cleared() -> None:
     driver = Driver(world_of([(200, 250)]))
     driver.key(pygame.K_2)
     driver.drag((400, 50), (400, 450))
@@ -133,6 +124,10 @@ def test_a_click_removes_the_wall_under_the_cursor() -> None:
     assert len(driver.session.frame.walls) == 2
     driver.click((400, 200))
     assert driver.session.frame.walls[:, 0, 1] == pytest.approx([450], abs=2)
+    driver.drag((400, 50), (400, 450))
+    assert driver.session.interaction.commands.drawn_walls.tolist() == [0, 1]
+    driver.session.interaction.commands.clear_walls()
+    assert len(driver.session.frame.walls) == 0 == len(driver.world.walls)
 
 
 def test_a_drawn_wall_goes_and_comes_with_the_history() -> None:
@@ -262,12 +257,13 @@ def test_dragging_with_the_other_buttons_pans(button: int) -> None:
     assert driver.session.camera.to_world((900, 496)) == pytest.approx(before)
 
 
-def test_the_wheel_zooms_at_the_cursor() -> None:
+@pytest.mark.parametrize("notches", [2, -3])
+def test_the_wheel_zooms_at_the_cursor(notches: int) -> None:
     driver = Driver(world_of(FOUR))
     driver.point_at((600, 400))
-    place = driver.session.interaction.cursor
-    before, scale = driver.session.camera.to_world(place), driver.session.camera.scale
-    post(pygame.MOUSEWHEEL, x=0, y=-3, precise_y=-3.0)
+    place, camera = driver.session.interaction.cursor, driver.session.camera
+    before, scale = camera.to_world(place), camera.scale
+    post(pygame.MOUSEWHEEL, x=0, y=notches, precise_y=float(notches))
     driver.frames(1, FRAME)
-    assert driver.session.camera.scale < scale
-    assert driver.session.camera.to_world(place) == pytest.approx(before)
+    assert camera.scale == pytest.approx(scale * ZOOM_STEP**notches)
+    assert camera.to_world(place) == pytest.approx(before)

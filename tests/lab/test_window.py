@@ -1,260 +1,182 @@
 """The interactive loop, driven by posted events, without a display."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pygame
 import pytest
+from lab_interaction import FRAME, LEFT, SIZE, Driver, Point, post, world_of
 
 import jostle
 from jostle_lab.draw.view_options import TreeView
 from jostle_lab.simulate.settings import MOST_BRUTE, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.window import Window
 
-FRAME = 1 / 60
-VIEW = (0.0, 0.0, 1000.0, 1000.0)
+TWO = [(400, 250), (700, 100)]
 
 
-def lone_ball(container: object = None) -> Simulation:
-    """A ball at rest, and another far away, without gravity."""
-    places = [(500, 500), (900, 100)]
-    world = jostle.World(places, [(0, 0), (0, 0)], 20.0, container=container)
-    return Simulation(Settings("lone ball"), VIEW, world)
-
-
-@pytest.fixture
-def open_window() -> Iterator:
-    def make(simulation: Simulation, **options: object) -> Window:
-        window = Window(simulation, (1000, 700), **options, synchronous=True)
-        pygame.event.clear()
-        return window
-
-    yield make
-    pygame.display.quit()
-
-
-def press(window: Window, *keys: int) -> None:
-    for key in keys:
-        pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=key))
-        pygame.event.post(pygame.event.Event(pygame.KEYUP, key=key))
-    window.frame(0.0)
-
-
-def mouse(kind: int, pixel: tuple[float, float]) -> None:
-    place = round(pixel[0]), round(pixel[1])
-    extra = {"button": 1} if kind != pygame.MOUSEMOTION else {"rel": (0, 0), "buttons": (1, 0, 0)}
-    pygame.event.post(pygame.event.Event(kind, pos=place, **extra))
-
-
-def screen_place(window: Window, point: tuple[float, float]) -> tuple[float, float]:
-    (x,), (y,) = window.session.camera.to_screen(np.array([point]))
-    return float(x), float(y)
-
-
-def drag(window: Window, start: tuple[float, float], move: tuple[float, float], frames: int):
-    """Press at a world point and move by pixels each frame; return the last pixel."""
-    x, y = screen_place(window, start)
-    mouse(pygame.MOUSEBUTTONDOWN, (x, y))
+def drag(driver: Driver, point: Point, move: Point, frames: int) -> tuple[int, int]:
+    """Press at a world point and move by whole pixels each frame; return the last pixel."""
+    driver.down(point)
+    x, y = driver.pixel(point)
     for _ in range(frames):
-        window.frame(FRAME)
+        driver.frames(1)
         x, y = x + move[0], y + move[1]
-        mouse(pygame.MOUSEMOTION, (x, y))
+        driver.move((x, y))
     return x, y
 
 
-def test_a_throw_moves_the_ball_with_the_speed_of_the_drag_tool(open_window) -> None:
-    window = open_window(lone_ball())
-    world = window.session.engine.simulation.world
-    end = drag(window, (500, 500), (6, -4), frames=20)
-    mouse(pygame.MOUSEBUTTONUP, end)
-    window.frame(FRAME)
-    hand = np.array([6, -4]) / FRAME / window.session.camera.scale
-    assert world.velocities[0] == pytest.approx(hand, rel=0.02)
-    before = world.positions[0]
-    for _ in range(6):
-        window.frame(FRAME)
-    assert world.positions[0] - before == pytest.approx(hand * 6 * FRAME, rel=0.02)
-    assert window.session.interaction.drag_tool.held is None
-    assert (world.velocities[1] == 0).all()
+def let_go(driver: Driver, pixel: tuple[int, int]) -> None:
+    post(pygame.MOUSEBUTTONUP, pos=pixel, button=LEFT)
+    driver.frames(1)
 
 
-def test_a_held_ball_comes_to_rest_at_the_cursor(open_window) -> None:
-    window = open_window(lone_ball())
-    x, y = drag(window, (505, 495), (3, 2), frames=10)
-    for _ in range(60):
-        window.frame(FRAME)
-    world = window.session.engine.simulation.world
-    assert screen_place(window, world.positions[0]) == pytest.approx((x, y), abs=1.5)
-    mouse(pygame.MOUSEBUTTONUP, (x, y))
-    window.frame(FRAME)
-    assert np.abs(world.velocities[0]).max() < 1e-3
+def test_a_throw_moves_the_ball_with_the_speed_of_the_drag_tool() -> None:
+    driver = Driver(world_of(TWO, 20.0))
+    let_go(driver, drag(driver, TWO[0], (6, -4), frames=20))
+    hand = np.array([6, -4]) / FRAME / driver.session.camera.scale
+    assert driver.world.velocities[0] == pytest.approx(hand, rel=0.02)
+    before = driver.world.positions[0]
+    driver.frames(6)
+    assert driver.world.positions[0] - before == pytest.approx(hand * 6 * FRAME, rel=0.02)
+    assert driver.session.interaction.drag_tool.held is None
+    assert (driver.world.velocities[1] == 0).all()
 
 
-def test_a_drag_crosses_the_boundary_of_a_torus(open_window) -> None:
-    window = open_window(lone_ball(jostle.Torus(1000.0, 1000.0)))
-    hand, engine = window.session.interaction.drag_tool, window.session.engine
-    hand.grab(0, (500.0, 500.0), 0.0)
-    hand.follow((1300.0, 500.0), 1.0)
-    hand.follow((1300.0, 500.0), 2.0)
+def test_a_held_ball_comes_to_rest_at_the_cursor() -> None:
+    driver = Driver(world_of(TWO, 20.0))
+    pixel = drag(driver, (405, 245), (3, 2), frames=10)
+    driver.frames(60)
+    assert driver.pixel(driver.world.positions[0]) == pytest.approx(pixel, abs=1.5)
+    let_go(driver, pixel)
+    assert np.abs(driver.world.velocities[0]).max() < 1e-3
+
+
+def test_a_drag_crosses_the_boundary_of_a_torus() -> None:
+    driver = Driver(world_of(TWO, 20.0, container=jostle.Torus(800.0, 500.0)))
+    hand = driver.session.interaction.drag_tool
+    hand.grab(0, (400.0, 250.0), 0.0)
+    hand.follow((1040.0, 250.0), 1.0)
+    hand.follow((1040.0, 250.0), 2.0)
     for _ in range(120):
-        engine.step()
-    assert window.session.engine.simulation.world.positions[0] == pytest.approx((300, 500), abs=5)
+        driver.session.engine.step()
+    assert driver.world.positions[0] == pytest.approx((240, 250), abs=5)
 
 
-def test_a_click_on_the_background_drags_nothing(open_window) -> None:
-    window = open_window(lone_ball())
-    mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (700, 700)))
-    window.frame(FRAME)
-    assert window.session.interaction.drag_tool.held is None
+@pytest.mark.parametrize(("point", "movable"), [((600, 400), True), (TWO[0], False)])
+def test_neither_the_background_nor_what_cannot_move_is_held(point: Point, movable: bool) -> None:
+    driver = Driver(world_of(TWO, 20.0, movable=[movable] * 2))
+    driver.down(point)
+    assert driver.session.interaction.drag_tool.held is None
 
 
-def test_what_cannot_move_cannot_be_picked_up(open_window) -> None:
-    world = jostle.World([(500, 500)], [(0, 0)], 20.0, movable=[False])
-    window = open_window(Simulation(Settings("peg"), VIEW, world))
-    mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (500, 500)))
-    window.frame(FRAME)
-    assert window.session.interaction.drag_tool.held is None
+def test_p_pauses_and_goes_on() -> None:
+    driver = Driver(Simulation.of_scene(Settings("gas", 50)))
+    driver.key(pygame.K_p)
+    time = driver.world.time
+    driver.frames(1)
+    assert driver.session.runner.paused and driver.world.time == time
+    driver.key(pygame.K_p)
+    driver.frames(1)
+    assert driver.world.time > time
 
 
-def test_p_pauses_and_goes_on(open_window) -> None:
-    window = open_window(Simulation.of_scene(Settings("gas", 50)))
-    press(window, pygame.K_p)
-    time = window.session.engine.simulation.world.time
-    window.frame(FRAME)
-    assert window.session.runner.paused and window.session.engine.simulation.world.time == time
-    press(window, pygame.K_p)
-    window.frame(FRAME)
-    assert window.session.engine.simulation.world.time > time
-
-
-def test_o_makes_one_step_and_stays_paused(open_window) -> None:
-    window = open_window(Simulation.of_scene(Settings("gas", 50)))
-    press(window, pygame.K_o)
-    assert window.session.engine.simulation.world.time == pytest.approx(FRAME)
-    press(window, pygame.K_o)
-    window.frame(FRAME)
-    assert window.session.runner.paused
-    assert window.session.engine.simulation.world.time == pytest.approx(2 * FRAME)
+def test_o_makes_one_step_and_stays_paused() -> None:
+    driver = Driver(Simulation.of_scene(Settings("gas", 50)))
+    driver.key(pygame.K_o)
+    assert driver.world.time == pytest.approx(FRAME)
+    driver.key(pygame.K_o)
+    driver.frames(1)
+    assert driver.session.runner.paused
+    assert driver.world.time == pytest.approx(2 * FRAME)
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
-def test_r_starts_again_with_the_method_of_the_moment(open_window, method) -> None:
-    window = open_window(start(Settings("article", 40, method=method)))
-    first = window.session.engine.simulation.frame().positions
-    window.frame(FRAME)
-    window.frame(FRAME)
-    assert (window.session.engine.simulation.frame().positions != first).any()
-    press(window, pygame.K_b)
-    method = window.session.engine.simulation.settings.method
-    press(window, pygame.K_r)
-    assert (window.session.engine.simulation.frame().positions == first).all()
-    assert window.session.engine.simulation.settings.method == method
+def test_r_starts_again_with_the_method_of_the_moment(method: str) -> None:
+    driver = Driver(start(Settings("article", 40, method=method)))
+    first = driver.world.positions
+    driver.frames(2)
+    assert (driver.world.positions != first).any()
+    driver.key(pygame.K_b)
+    changed = driver.session.settings.method
+    driver.key(pygame.K_r)
+    assert (driver.world.positions == first).all()
+    assert driver.session.settings.method == changed != method
 
 
-def test_b_switches_brute_force_and_tree(open_window) -> None:
-    window = open_window(start(Settings("article", 300)))
+def test_b_switches_brute_force_and_tree() -> None:
+    driver = Driver(start(Settings("article", 300)))
     every_pair = 300 * 299 // 2
     for name in ("brute", "quadtree"):
-        press(window, pygame.K_b)
-        assert window.session.settings.method == name
-        window.session.engine.step()
-        tested = window.session.frame.stats.pairs_tested
-        assert tested == every_pair if "brute" in name else tested < every_pair
+        driver.key(pygame.K_b)
+        assert driver.session.settings.method == name
+        driver.session.engine.step()
+        tested = driver.session.frame.stats.pairs_tested
+        assert tested == every_pair if name == "brute" else tested < every_pair
 
 
-def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
-    window = open_window(Simulation.of_scene(Settings("gas", MOST_BRUTE + 1)))
-    window.session.runner.paused = True
-    press(window, pygame.K_b)
-    assert window.session.engine.simulation.world.method == "quadtree"
-    assert "too slow" in window.session.message
+def test_b_refuses_what_would_freeze_the_window() -> None:
+    driver = Driver(Simulation.of_scene(Settings("gas", MOST_BRUTE + 1)), paused=True)
+    driver.key(pygame.K_b)
+    assert driver.world.method == "quadtree"
+    assert "too slow" in driver.session.message
 
 
-def test_t_cycles_the_tree(open_window) -> None:
-    window = open_window(Simulation.of_scene(Settings("gas", 200)))
-    window.session.runner.paused = True
-    first = window.session.view_options.tree
+def test_t_cycles_the_tree() -> None:
+    driver = Driver(Simulation.of_scene(Settings("gas", 200)), paused=True)
+    first = driver.session.view_options.tree
     pictures, views = [], []
     for _ in TreeView:
-        press(window, pygame.K_t)
-        views.append(window.session.view_options.tree)
-        pictures.append(pygame.surfarray.array3d(window.painter.canvas())[300:, 60:-80].copy())
+        driver.key(pygame.K_t)
+        views.append(driver.session.view_options.tree)
+        pictures.append(pygame.surfarray.array3d(driver.window.painter.canvas())[:, 60:-80])
     assert set(views) == set(TreeView) and views[-1] is first
     assert all((pictures[k] != pictures[k - 1]).any() for k in range(len(pictures)))
 
 
-def test_the_wheel_zooms_at_the_cursor(open_window) -> None:
-    window = open_window(lone_ball())
-    mouse(pygame.MOUSEMOTION, (813, 222))
-    window.frame(0.0)
-    camera = window.session.camera
-    before, scale = camera.to_world((813, 222)), camera.scale
-    pygame.event.post(pygame.event.Event(pygame.MOUSEWHEEL, x=0, y=2, precise_y=2.0))
-    window.frame(0.0)
-    assert camera.scale > 1.2 * scale
-    assert camera.to_world((813, 222)) == pytest.approx(before)
-
-
-def test_arrows_pan_while_they_are_down_and_home_goes_back(open_window) -> None:
-    window = open_window(lone_ball())
-    camera = window.session.camera
-    start = camera.center
-    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_RIGHT))
-    window.frame(0.1)
-    window.frame(0.1)
-    assert camera.center[0] > start[0] and camera.center[1] == start[1]
-    pygame.event.post(pygame.event.Event(pygame.KEYUP, key=pygame.K_RIGHT))
-    window.frame(0.1)
+def test_arrows_pan_while_they_are_down_and_home_goes_back() -> None:
+    driver = Driver(world_of(TWO))
+    camera = driver.session.camera
+    home = camera.center
+    driver.key(pygame.K_RIGHT, up=False)
+    driver.frames(2, 0.1)
+    assert camera.center[0] > home[0] and camera.center[1] == home[1]
+    driver.key_up(pygame.K_RIGHT)
     place = camera.center
-    window.frame(0.1)
+    driver.frames(1, 0.1)
     assert camera.center == place
-    press(window, pygame.K_HOME)
-    assert camera.center == start
+    driver.key(pygame.K_HOME)
+    assert camera.center == home
 
 
-def test_h_shows_and_hides_the_keys(open_window) -> None:
-    window = open_window(lone_ball())
-    window.session.runner.paused = True
-    press(window, pygame.K_h)
-    assert window.session.view_options.help
-    press(window, pygame.K_h)
-    assert not window.session.view_options.help
+def test_the_cross_closes_the_window() -> None:
+    driver = Driver(world_of(TWO))
+    post(pygame.QUIT)
+    driver.window.run()
+    assert not driver.session.open and not pygame.display.get_init()
 
 
-def test_escape_and_the_cross_close_the_window(open_window) -> None:
-    window = open_window(lone_ball())
-    press(window, pygame.K_ESCAPE)
-    assert not window.session.open
-    window = open_window(lone_ball())
-    pygame.event.post(pygame.event.Event(pygame.QUIT))
-    window.run()
-    assert not window.session.open and not pygame.display.get_init()
+def test_the_window_closes_after_the_steps_asked_for() -> None:
+    driver = Driver(world_of(TWO), steps=3)
+    driver.window.run()
+    assert driver.session.engine.steps == 3
+    assert driver.world.time == pytest.approx(3 * FRAME)
 
 
-def test_the_window_closes_after_the_steps_asked_for(open_window) -> None:
-    window = open_window(lone_ball(), steps=3)
-    window.run()
-    assert window.session.engine.steps == 3
-    assert window.session.engine.simulation.world.time == pytest.approx(3 * FRAME)
-
-
-def test_the_picture_follows_the_size_of_the_window(open_window) -> None:
-    window = open_window(lone_ball())
+def test_the_picture_follows_the_size_of_the_window() -> None:
+    driver = Driver(world_of(TWO))
     for size in [(640, 360), (150, 90), (1, 1)]:
         pygame.display.set_mode(size, pygame.RESIZABLE)
-        pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
-        window.frame(FRAME)
-        assert window.painter.size == window.screen.size == size
+        post(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1])
+        driver.frames(1)
+        assert driver.window.painter.size == driver.window.screen.size == size
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
 @pytest.mark.parametrize("n", [0, 1])
-def test_nothing_and_almost_nothing_run(open_window, n: int, method: str) -> None:
-    window = open_window(Simulation.of_scene(Settings("gas", n, method=method)))
+def test_nothing_and_almost_nothing_run(n: int, method: str) -> None:
+    driver = Driver(Simulation.of_scene(Settings("gas", n, method=method)))
     for view in TreeView:
-        window.session.view_options.tree = view
-        mouse(pygame.MOUSEBUTTONDOWN, (640, 350))
-        window.frame(FRAME)
-    assert len(window.session.engine.simulation) == n
+        driver.session.view_options.tree = view
+        post(pygame.MOUSEBUTTONDOWN, pos=(SIZE[0] // 2, SIZE[1] // 2), button=LEFT)
+        driver.frames(1)
+    assert len(driver.world) == n

@@ -9,19 +9,16 @@ from typing import NoReturn
 import typer
 from rich.console import Console
 
-import jostle
 from jostle_lab.launcher import speaks
-from jostle_lab.simulate.validation import AnyRule, check, similar
+from jostle_lab.simulate.settings import unknown_scene
+from jostle_lab.simulate.validation import AnyRule, check
 
 console = Console()
 
 
 def check_scene(scene: str) -> None:
-    names = jostle.scenes.names()
-    if scene not in names:
-        alike = similar(scene, names)
-        hint = f"did you mean {alike}? " if alike else ""
-        refuse(f"there is no scene {scene!r}; {hint}the scenes are {', '.join(names)}")
+    if why := unknown_scene(scene):
+        refuse(why)
 
 
 def check_option(name: str, value: object, rule: AnyRule) -> None:

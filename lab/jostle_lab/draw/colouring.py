@@ -5,7 +5,6 @@ article, else the radius if it varies, else the speed.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,6 @@ COLUMNS = {"density": "densities", "radius": "radii", "mass": "masses"}  # of a 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
-Known = tuple[Any, ...]  # the columns that only edits change, and the quantity shown or chosen
 
 
 class Colouring:
@@ -38,39 +36,28 @@ class Colouring:
         # The values at both ends of the ramp; None for random colours and kinds.
         self.range: tuple[float, float] | None = None
         self._reference = 0.0
-        self._columns: Known | None = None  # from which `_kept` was made
-        self._automatic: Known | None = None
-        self._kept: Shades = np.zeros(0, np.uint8)
+        # Frames share the columns that only edits change. An edit renews all of them, also this.
+        self._movable: NDArray[np.bool_] | None = None
+        self._automatic = "speed"  # the automatic choice for these columns
+        self._kept: Shades | None = None  # the shades by one of them
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
         """Return a shade, an index into DISCS, for each particle."""
-        shows = self._choose(frame) if by is ColourBy.AUTO else by.value
+        if frame.movable is not self._movable:
+            self._movable, self._automatic, self._kept = frame.movable, _choice(frame), None
+        shows = self._automatic if by is ColourBy.AUTO else by.value
         if shows != self.shows:
-            self.shows, self._reference = shows, 0.0
+            self.shows, self._reference, self._kept = shows, 0.0, None
         if shows in COLUMNS:
             shades = self._by_column(frame)
         elif shows in ("kind", "random"):
-            self._columns = self.range = None
+            self.range = None
             kinds = np.zeros(len(frame), np.uint8) if frame.kinds is None else frame.kinds
             of_kinds = (FIRST_KIND + kinds % len(KINDS)).astype(np.uint8)
             shades = of_kinds if shows == "kind" else _buckets(hashed(frame.tags))
         else:
-            self._columns = None
             shades = self._by_motion(frame)
         return np.where(frame.movable, shades, np.uint8(FIXED_SHADE))
-
-    def _choose(self, frame: Frame) -> str:
-        if frame.kinds is not None:
-            return "kind"
-        known = self._automatic
-        if known and _is_of(frame, known):
-            return str(known[-1])
-        chosen = "speed"
-        for name, values in (("radius", frame.radii), ("density", frame.densities)):
-            if _spread(_extremes(values[frame.movable])) > VARIES:
-                chosen = name
-        self._automatic = *_columns(frame), chosen
-        return chosen
 
     @property
     def legend(self) -> Legend | None:
@@ -84,10 +71,8 @@ class Colouring:
         return Legend(name, low, high, tuple(DISCS[:SHADES]))
 
     def _by_column(self, frame: Frame) -> Shades:
-        """Shade by a column that only edits change; frames share it in between."""
-        known = self._columns
-        if not known or known[-1] != self.shows or not _is_of(frame, known):
-            self._columns = *_columns(frame), self.shows
+        """Shade by a column that only edits change."""
+        if self._kept is None:
             values = getattr(frame, COLUMNS[self.shows])
             self._kept = _buckets(self._unit(values, frame.movable))
         return self._kept
@@ -125,13 +110,15 @@ class Colouring:
         return _buckets(values / np.float32(self._reference))
 
 
-def _columns(frame: Frame) -> Known:
-    """Return the columns that only edits change; frames share them in between."""
-    return frame.densities, frame.radii, frame.movable
-
-
-def _is_of(frame: Frame, known: Known) -> bool:
-    return all(old is new for old, new in zip(known, _columns(frame), strict=False))
+def _choice(frame: Frame) -> str:
+    """Return the name of the quantity that is shown automatically."""
+    if frame.kinds is not None:
+        return "kind"
+    chosen = "speed"
+    for name, values in (("radius", frame.radii), ("density", frame.densities)):
+        if _spread(_extremes(values[frame.movable])) > VARIES:
+            chosen = name
+    return chosen
 
 
 def _spread(extremes: tuple[float, float] | None) -> float:

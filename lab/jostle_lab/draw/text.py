@@ -13,12 +13,9 @@ from jostle_lab.draw.palette import PANEL, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 
 TITLE, BODY, SMALL = 20, 14, 12
 
-# Packages that jostle-lab needs, and the fonts in them, best first: text is alike on all machines.
-FONTS = (
-    ("imgui_bundle", "assets/fonts/Roboto/Roboto-Regular.ttf"),
-    ("matplotlib", "mpl-data/fonts/ttf/DejaVuSans.ttf"),
-)
-ICONS = (("imgui_bundle", "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"),)
+# Fonts of imgui_bundle, so text is alike on all machines.
+FONT = "assets/fonts/Roboto/Roboto-Regular.ttf"
+ICONS = "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"
 
 Place = tuple[int, int]
 
@@ -48,14 +45,10 @@ def share(part: int, whole: int) -> str:
 
 
 @lru_cache(maxsize=2)
-def font_file(fonts: tuple[tuple[str, str], ...] = FONTS) -> str | None:
-    """Return the path of the first font that exists; None if no package has one."""
-    for package, path in fonts:
-        found = importlib.util.find_spec(package)
-        for folder in (found and found.submodule_search_locations) or ():
-            if (Path(folder) / path).is_file():
-                return str(Path(folder) / path)
-    return None
+def font_file(font: str = FONT) -> str | None:
+    """Return the path of a font; None without imgui_bundle, for the default font of pygame."""
+    found = importlib.util.find_spec("imgui_bundle")
+    return str(Path(found.origin).parent / font) if found and found.origin else None
 
 
 @lru_cache(maxsize=8)

@@ -24,15 +24,11 @@ MODIFIERS = (
 
 # Pairs of names, pygame's and ImGui's, that text fields and menus need.
 _SAME = ("TAB", "HOME", "END", "INSERT", "DELETE", "BACKSPACE", "SPACE", "ESCAPE")
-_MODIFIER_KEYS = {"CTRL": "ctrl", "SHIFT": "shift", "ALT": "alt", "META": "super"}
 _NAMES = {
     **{name: name.lower() for name in _SAME},
     **{name: f"{name.lower()}_arrow" for name in ("LEFT", "RIGHT", "UP", "DOWN")},
     **{"PAGEUP": "page_up", "PAGEDOWN": "page_down", "RETURN": "enter", "KP_ENTER": "keypad_enter"},
-    **{f"L{ours}": f"left_{theirs}" for ours, theirs in _MODIFIER_KEYS.items()},
-    **{f"R{ours}": f"right_{theirs}" for ours, theirs in _MODIFIER_KEYS.items()},
     **{letter: letter for letter in string.ascii_lowercase},
-    **{digit: f"_{digit}" for digit in string.digits},
 }
 KEYS: dict[int, imgui.Key] = {
     getattr(pygame, f"K_{ours}"): getattr(imgui.Key, theirs) for ours, theirs in _NAMES.items()

@@ -6,7 +6,7 @@ from functools import lru_cache
 from imgui_bundle import imgui, implot
 
 from jostle_lab.draw.palette import ACCENT, PANEL, PANEL_EDGE, TEXT, TEXT_SOFT, Colour, blend
-from jostle_lab.draw.text import FONTS, ICONS, font_file
+from jostle_lab.draw.text import FONT, ICONS, font_file
 from jostle_lab.session import Session
 
 COLUMN, STATISTICS = 290.0, 296.0  # points
@@ -51,9 +51,9 @@ def arrange(session: Session, width: float, height: float, scale: float) -> None
 def apply() -> None:
     """Set the style of the present contexts of ImGui and ImPlot."""
     fonts = imgui.get_io().fonts
-    for files, size in ((FONTS, FONT_SIZE), (ICONS, ICON_SIZE)):
-        path, config = font_file(files), imgui.ImFontConfig()
-        config.pixel_snap_h, config.merge_mode = True, files is ICONS
+    for font, size in ((FONT, FONT_SIZE), (ICONS, ICON_SIZE)):
+        path, config = font_file(font), imgui.ImFontConfig()
+        config.pixel_snap_h, config.merge_mode = True, font is ICONS
         if path is not None:
             fonts.add_font_from_file_ttf(path, size, config)
     _measures(imgui.get_style())

@@ -43,9 +43,10 @@ def _playback(session: Session, gui: Gui) -> None:
 def _rewind(session: Session, gui: Gui) -> None:
     """Build the slider; its right end is the latest state."""
     history = session.runner.history
-    reason = "" if history.span > SHORTEST else "There is no earlier state yet."
     span = ui.Range(-max(history.span, SHORTEST), 0.0)
-    moved, value = ui.slider(gui, "moment", span, -history.back, _ago, reason=reason)
+    imgui.begin_disabled(history.span <= SHORTEST)
+    moved, value = ui.slider(gui, "moment", span, -history.back, _ago)
+    imgui.end_disabled()
     if moved is not ui.Moved.NOT:
         session.runner.rewind(-value)
     steps = "each step" if history.stride == 1 else f"every {history.stride} steps"

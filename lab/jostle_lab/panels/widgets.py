@@ -271,29 +271,17 @@ def round_to(value: float, digits: int, of: float | None = None) -> float:
 
 
 def slider(
-    gui: Gui,
-    name: str,
-    span: Range,
-    value: float,
-    write: Callable[[float], str],
-    *,
-    reason: str = "",
+    gui: Gui, name: str, span: Range, value: float, write: Callable[[float], str]
 ) -> tuple[Moved, float]:
     """Build one line: label, slider, number; return whether it moved, and to what.
 
-    `write` formats a value. `reason` says why it is disabled; it is empty if it is not.
+    `write` formats a value.
     """
-    imgui.push_id(name)
-    label(name)
-    imgui.begin_disabled(bool(reason))
-    moved, value = _track(gui, name, span, value)
-    imgui.end_disabled()
-    hint(reason)
-    imgui.same_line(0.0, GAP)
-    imgui.begin_disabled(bool(reason))
-    typed = _number(gui, name, write(value), soft=bool(reason))
-    imgui.end_disabled()
-    imgui.pop_id()
+    with imgui_ctx.push_id(name):
+        label(name)
+        moved, value = _track(gui, name, span, value)
+        imgui.same_line(0.0, GAP)
+        typed = _number(gui, name, write(value))
     if typed is not None:
         kept = min(max(typed, span.low), span.high)
         return Moved.DONE, round(kept) if span.whole else kept
@@ -333,16 +321,16 @@ def _draw(position: float, *, active: bool) -> None:
     draw.add_circle_filled((x, y), KNOB + (1.0 if lit and not off else 0.0), rgba(colour))
 
 
-def _number(gui: Gui, name: str, text: str, *, soft: bool) -> float | None:
+def _number(gui: Gui, name: str, text: str) -> float | None:
     """Build the number as a text field without a frame; return a typed number."""
     room, padding = max(width(), 8.0), imgui.get_style().frame_padding
     size = imgui.ImVec2(room, imgui.get_frame_height())
     low, editing = imgui.get_cursor_screen_pos(), imgui.get_id("##number")
-    lit = imgui.is_mouse_hovering_rect(low, low + size) and not soft
+    lit = imgui.is_mouse_hovering_rect(low, low + size)
     frame, left = vec(RAISED), padding.x
     if imgui.internal.get_active_id() != editing:  # flush right, until it is edited
         frame, left = CLEAR, room - imgui.calc_text_size(text).x
-    colour = vec(TEXT_SOFT if soft else ACCENT if lit else TEXT)
+    colour = vec(ACCENT if lit else TEXT)
     flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
     imgui.set_next_item_width(room)
     with (

@@ -77,13 +77,10 @@ def kind_of(container: Container) -> str:
 
 def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
     """Return a rectangle scaled about the centre of another."""
-    x, y = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
-    return (
-        x + (rect[0] - x) * factor,
-        y + (rect[1] - y) * factor,
-        x + (rect[2] - x) * factor,
-        y + (rect[3] - y) * factor,
-    )
+    x, y = center_of(around)
+    x0, x1 = (x + (side - x) * factor for side in rect[::2])
+    y0, y1 = (y + (side - y) * factor for side in rect[1::2])
+    return x0, y0, x1, y1
 
 
 @dataclass(frozen=True)

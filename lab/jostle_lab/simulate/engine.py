@@ -17,6 +17,7 @@ from functools import partial
 from typing import TypeVar
 
 from jostle_lab.simulate.frame import Frame, FrameRequest
+from jostle_lab.simulate.history import History
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 
@@ -69,6 +70,7 @@ SMOOTH = 0.2  # weight of a new measurement
 REFUSALS = (ValueError, OverflowError, MemoryError)
 
 Edit = Callable[[Simulation], object]
+Act = Callable[[Simulation], bool]
 Then = Callable[[], None]
 MakeSteps = Callable[[Callable[[], None]], object]  # calls its argument for each step
 
@@ -107,19 +109,6 @@ def message_of(error: BaseException) -> str:
     return str(error) or "There is not enough memory for that."
 
 
-def nothing(_: Simulation) -> None:
-    """Do nothing."""
-
-
-@dataclass(frozen=True)
-class Hooks:
-    """What the thread that steps calls with the simulation."""
-
-    before: Edit = nothing  # a step
-    after: Edit = nothing  # a step
-    touched: Edit = nothing  # before an edit by the user
-
-
 @dataclass(frozen=True)
 class _Waiting:
     """An edit, and what the UI thread does after it."""
@@ -135,7 +124,7 @@ class _Result:
     """The result of a job; nothing of the engine changes before the UI thread takes it."""
 
     frame: Frame
-    steps: list[tuple[float, float]]  # seconds of each step, alone and with its hooks
+    seconds: list[float]  # of each step
     error: str
     then: list[Then]
 
@@ -143,7 +132,8 @@ class _Result:
 def _run(
     simulation: Simulation,
     request: FrameRequest,
-    hooks: Hooks,
+    history: History | None,
+    act: Act,
     edits: list[_Waiting],
     make_steps: MakeSteps,
 ) -> _Result:
@@ -152,28 +142,28 @@ def _run(
     It is given everything that it needs, so it has no effect on the engine if it is abandoned.
     """
     for edit in edits:
-        if edit.changes:
-            hooks.touched(simulation)
+        if edit.changes and history is not None:
+            history.touch()
         edit.work(simulation)
-    seconds: list[tuple[float, float]] = []
+    seconds: list[float] = []
     error = ""
     try:
-        make_steps(lambda: seconds.append(_step(simulation, hooks)))
+        make_steps(lambda: seconds.append(_step(simulation, history, act)))
     except REFUSALS as refusal:
         error = message_of(refusal)
     then = [edit.then for edit in edits if edit.then is not None]
     return _Result(simulation.frame(request), seconds, error, then)
 
 
-def _step(simulation: Simulation, hooks: Hooks) -> tuple[float, float]:
-    """Make one step; return its seconds, alone and with its hooks."""
+def _step(simulation: Simulation, history: History | None, act: Act) -> float:
+    """Make and record one step; return its seconds without those of recording."""
+    touched = act(simulation)
     start = time.perf_counter()
-    hooks.before(simulation)
-    began = time.perf_counter()
     simulation.step()
-    alone = time.perf_counter() - began
-    hooks.after(simulation)
-    return alone, time.perf_counter() - start
+    seconds = time.perf_counter() - start
+    if history is not None:
+        history.after(simulation, touched=touched)
+    return seconds
 
 
 class Engine:
@@ -185,10 +175,12 @@ class Engine:
     def __init__(self, simulation: Simulation, *, synchronous: bool = False) -> None:
         self.synchronous = synchronous
         self.request = FrameRequest()  # what the next frames must contain
-        self.hooks = Hooks()
+        self.history: History | None = None  # records the steps, if there is one
+        # Applies what the user does during a step, such as a drag; returns whether it is anything.
+        self.act: Act = lambda simulation: False
         self.steps = 0
         self.last_step: int | None = None  # after so many steps `advance` makes no more
-        self.last_seconds = 0.0  # time of the last step, alone
+        self.last_seconds = 0.0  # time of the last step
         self._worker = Worker("jostle-step", synchronous=synchronous)
         self._job: Future[_Result] | None = None
         self._edits: list[_Waiting] = []
@@ -208,8 +200,7 @@ class Engine:
         self.scene, self.time_step = simulation.settings.scene, simulation.time_step
         self._note_settings()
         self._timestep = FixedTimestep(simulation.time_step)
-        self.step_seconds = 0.0  # of a step alone, smoothed
-        self.whole_seconds = 0.0  # of a step with its hooks, smoothed
+        self.step_seconds = 0.0  # of a step, smoothed
         self.frame = simulation.frame(self.request) if frame is None else frame  # the last state
 
     @property
@@ -266,7 +257,7 @@ class Engine:
     def step(self) -> None:
         """Make one step on the calling thread; its error is raised."""
         self.wait()
-        self._note_step(*_step(self.simulation, self.hooks))
+        self._note_step(_step(self.simulation, self.history, self.act))
         self.frame = self.simulation.frame(self.request)
 
     def take_error(self) -> str:
@@ -299,11 +290,10 @@ class Engine:
     def _requested(self) -> bool:
         return bool(self._edits) or self._single or self._stale
 
-    def _note_step(self, alone: float, whole: float) -> None:
-        self.last_seconds = alone
+    def _note_step(self, seconds: float) -> None:
+        self.last_seconds = seconds
         self.steps += 1
-        self.step_seconds = _smoothed(self.step_seconds, alone)
-        self.whole_seconds = _smoothed(self.whole_seconds, whole)
+        self.step_seconds += (seconds - self.step_seconds) * (SMOOTH if self.step_seconds else 1.0)
 
     def _note_settings(self) -> None:
         """Copy what can be read while the simulation is in use."""
@@ -316,8 +306,8 @@ class Engine:
         edits, self._edits = self._edits, []
         single, self._single, self._stale = self._single and not self.error, False, False
         make_steps = steps or (lambda step: step() if single else None)
-        job = partial(_run, self.simulation, self.request, self.hooks, edits, make_steps)
-        self._job = self._worker.submit(job)
+        job = partial(_run, self.simulation, self.request, self.history, self.act)
+        self._job = self._worker.submit(partial(job, edits, make_steps))
         if self.synchronous:
             self._collect()
 
@@ -327,16 +317,12 @@ class Engine:
             job, self._job = self._job, None
             result = job.result()
             self.frame = result.frame
-            for seconds in result.steps:
-                self._note_step(*seconds)
+            for seconds in result.seconds:
+                self._note_step(seconds)
             self.error = result.error or self.error
             self._note_settings()
             for then in result.then:
                 then()
-
-
-def _smoothed(mean: float, new: float) -> float:
-    return mean + (new - mean) * (SMOOTH if mean else 1.0)
 
 
 Create = Callable[[], Simulation]
@@ -346,11 +332,11 @@ MESSAGE_DELAY = 0.3  # seconds after which a message is shown
 
 @dataclass(frozen=True)
 class LoadedScene:
-    """A simulation in its initial state, with its first frame and its state as bytes."""
+    """A simulation in its initial state, with its first frame and the beginning of its history."""
 
     simulation: Simulation
     frame: Frame
-    state: bytes
+    history: History
 
 
 class SceneLoader:
@@ -411,7 +397,7 @@ class SceneLoader:
 
 def load(create: Create, request: FrameRequest) -> LoadedScene:
     simulation = create()
-    return LoadedScene(simulation, simulation.frame(request), simulation.save())
+    return LoadedScene(simulation, simulation.frame(request), History(simulation))
 
 
 def expected(settings: Settings) -> int:

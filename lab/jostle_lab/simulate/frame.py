@@ -14,7 +14,7 @@ import jostle
 from jostle import life
 from jostle_lab.simulate.settings import TRUTH, VECTOR
 from jostle_lab.simulate.settings import Rect as Rect
-from jostle_lab.simulate.validation import limited, or_none, real, whole
+from jostle_lab.simulate.validation import COUNT, limited, or_none, real
 
 Point = tuple[float, float]
 Container = jostle.Box | jostle.Circle | jostle.Torus | None
@@ -90,7 +90,7 @@ class Attractor:
 
     strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
     point: Point | None = limited(or_none(VECTOR), None)
-    tag: int | None = limited(or_none(whole(0, 2**62)), None)
+    tag: int | None = limited(or_none(COUNT), None)
     passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
 
 

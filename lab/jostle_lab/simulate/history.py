@@ -28,18 +28,13 @@ class Moment:
 class History:
     """Records every step, and restores moments. Only the thread that steps uses it.
 
-    It begins with the present state, which may be saved already, and covers `seconds` of simulated
-    time. If the snapshots have more than `budget` bytes, only every second, fourth … step has one;
-    if that is not enough, the history is shorter.
+    It begins with the present state, and covers `seconds` of simulated time. If the snapshots have
+    more than `budget` bytes, only every second, fourth … step has one; if that is not enough, the
+    history is shorter.
     """
 
     def __init__(
-        self,
-        simulation: Simulation,
-        state: bytes | None = None,
-        *,
-        seconds: float = SECONDS,
-        budget: int = BUDGET,
+        self, simulation: Simulation, *, seconds: float = SECONDS, budget: int = BUDGET
     ) -> None:
         self.seconds, self.budget = seconds, budget
         self.moments: list[Moment] = []  # from the oldest to the latest
@@ -52,7 +47,7 @@ class History:
         self._since = 0  # steps since the last snapshot
         self._changed = False  # by the user, since the last step
         self._adrift = False  # whether moments were omitted since the last stored one
-        self._keep(Moment(0.0, False, state or simulation.save()))
+        self._keep(Moment(0.0, False, simulation.save()))
         whole = self.bytes * seconds / simulation.time_step
         while self.stride < MOST_STRIDE and whole > budget * self.stride:
             self.stride *= 2
@@ -64,17 +59,17 @@ class History:
 
     # Recording
 
-    def touch(self, simulation: Simulation | None = None) -> None:
+    def touch(self) -> None:
         """Note that the user edits the simulation before its next step."""
         self._drop_future()
         self._changed = True
 
-    def after(self, simulation: Simulation) -> None:
-        """Store the moment after a step, with a snapshot if needed."""
+    def after(self, simulation: Simulation, *, touched: bool = False) -> None:
+        """Store the moment after a step, with a snapshot if needed; `touched` if the user acted."""
         self._drop_future()
         self._time += simulation.time_step
         self._since += 1
-        changed, self._changed = self._changed, False
+        changed, self._changed = self._changed or touched, False
         due = self._since >= self.stride
         if not changed and not self._adrift:
             self._keep(Moment(self._time, True, simulation.save() if due else None))

@@ -129,14 +129,9 @@ def _in_list(value: Any, rule: Many, key: Key) -> Refusals:
 def unknown(name: str, what: str, known: Iterable[str]) -> str:
     """Return why a name is refused, with the most similar known name; the name comes before it."""
     known = list(known)
-    alike = similar(name, known)
-    hint = f"did you mean {alike}?" if alike else f"there are {', '.join(known)}"
+    alike = difflib.get_close_matches(shorten(name), known, 1, 0.5)
+    hint = f"did you mean {alike[0]}?" if alike else f"there are {', '.join(known)}"
     return f"is not {what}; {hint}"
-
-
-def similar(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is most similar to another, if one is."""
-    return next(iter(difflib.get_close_matches(shorten(name), list(known), 1, 0.5)), None)
 
 
 def _must_be(value: object, words: str) -> str:

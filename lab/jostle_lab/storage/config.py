@@ -24,7 +24,6 @@ from jostle_lab.simulate.validation import (
     each,
     one_of,
     refusals,
-    shorten,
     whole,
 )
 
@@ -87,16 +86,9 @@ def read_config(path: Path) -> Config:
 def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
     """Yield the key and the message of each error."""
     for key, why in refusals(entries, ENTRIES):
-        yield key, f"{_name(key)} {why}"
+        yield key, f"{dotted(key)} {why}"
     if unheard := unknown_scene(entries.get("scene", Settings.scene)):
         yield ("scene",), unheard
-
-
-def _name(key: Key) -> str:
-    """Return the name of an entry; with all numbers, if it is in walls or in a list."""
-    if key[0] == "walls" or isinstance(key[-1], int):
-        return dotted(key)
-    return shorten(next(part for part in reversed(key) if isinstance(part, str)))
 
 
 # ---- TOML ----------------------------------------------------------------------------------------
@@ -116,11 +108,11 @@ _TOKEN = re.compile(
 
 
 def _parsed(name: str, text: str) -> dict[str, Any]:
-    """Return the entries of a TOML text; raise a ConfigError with the line of an error."""
+    """Return the entries of a TOML text; raise a ConfigError with the place of an error."""
     try:
         entries: dict[str, Any] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(_syntax(name, text, str(error))) from error
+        raise ConfigError(f"{name}: {error}") from error
     except RecursionError as error:
         raise ConfigError(f"{name}: too many brackets are open") from error
     except ValueError as error:  # Python reads no integers of thousands of digits
@@ -156,20 +148,3 @@ def _contains(entries: Any, key: Key) -> bool:
     except (KeyError, IndexError, TypeError):
         return False
     return True
-
-
-# Messages of the reader that do not say what to change.
-_PLAIN = {
-    "Cannot overwrite a value": "the entry is given twice",
-    "Illegal character '\\n'": "a quotation mark is missing at the end of the line",
-}
-
-
-def _syntax(name: str, text: str, complaint: str) -> str:
-    """Return the reader's message with the line before it, as in other messages."""
-    reason, _, place = complaint.partition(" (at ")
-    reason = _PLAIN.get(reason, reason[:1].lower() + reason[1:])
-    line = place.removeprefix("line ").split(",")[0]
-    if not line.isdigit():  # "end of document"
-        line = str(text.rstrip().count("\n") + 1)
-    return f"{name}, line {line}: {reason}"

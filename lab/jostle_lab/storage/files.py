@@ -84,13 +84,12 @@ class Files:
             self._listed = now, _newest_first(self.folder)
         return self._listed[1]
 
-    def save(self, path: Path | None = None) -> None:
-        """Save the state, the settings and the view, with a new name unless one is given."""
+    def save(self) -> None:
+        """Save the state, the settings and the view."""
         camera, options = copy.copy(self._camera), copy.copy(self._view_options)
 
         def save(simulation: Simulation) -> None:
-            contents = partial(scene_bytes, simulation, camera, options)
-            self._write(SUFFIX, lambda new: write_file(new, contents()), path)
+            self._write(SUFFIX, lambda to: write_file(to, scene_bytes(simulation, camera, options)))
 
         def forget_list() -> None:
             self._listed = None
@@ -182,21 +181,18 @@ class Files:
         """Write a file on a worker thread; `follow` shows the result."""
         self._exports.append(self._exporter.submit(partial(self._written, suffix, write)))
 
-    def _write(
-        self, suffix: str, write: Write, path: Path | None = None, done: str = "Saved {}"
-    ) -> None:
+    def _write(self, suffix: str, write: Write, done: str = "Saved {}") -> None:
         """Write a file, and show its path or an error."""
-        self._messages.say(self._written(suffix, write, path, done))
+        self._messages.say(self._written(suffix, write, done))
 
-    def _written(
-        self, suffix: str, write: Write, path: Path | None = None, done: str = "Saved {}"
-    ) -> str:
-        """Write a file, with a new name unless one is given; return its path or an error."""
+    def _written(self, suffix: str, write: Write, done: str = "Saved {}") -> str:
+        """Write a file with a new name; return its path or an error."""
+        path = self.folder
         try:
-            path = path or new_path(self.folder, self._runner.engine.scene, suffix)
+            path = new_path(path, self._runner.engine.scene, suffix)
             write(path)
         except OSError as error:
-            return reason_of(error, path or self.folder)
+            return reason_of(error, path)
         except (ValueError, RuntimeError, MemoryError) as error:  # of pygame
             return f"{path}: {message_of(error)}"
         return done.format(path)
