@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from mpi_checks import refuse
+from mpi_checks import fail_by_the_last_rank, refuse
 from mpi_worlds import comm, evenly, gas, scattered
 
 import jostle
@@ -28,14 +28,7 @@ def test_pressed() -> None:
     world = scattered(gas(), evenly)
     if comm().rank == comm().size - 1:
         threading.Timer(1.0, signal.raise_signal, [signal.SIGINT]).start()
-    try:
-        world.step(1 / 60, 1_000_000)
-    except KeyboardInterrupt:
-        assert comm().rank == comm().size - 1
-    except jostle.mpi.RankError as error:
-        assert str(error) == f"rank {comm().size - 1}: KeyboardInterrupt"
-    else:
-        raise AssertionError("the call ends")
+    fail_by_the_last_rank(lambda: world.step(1 / 60, 1_000_000), KeyboardInterrupt, "")
     times = comm().allgather(world.time)
     assert times[0] == times[-1] > 0
     before = world.state_hash()
@@ -74,14 +67,7 @@ def test_signals() -> None:
         lambda: world.momentum,
     ]
     for call in calls:
-        try:
-            call()
-        except InterruptedError as error:
-            assert last and str(error) == "told so", error
-        except jostle.mpi.RankError as error:
-            assert not last and "told so" in str(error), error
-        else:
-            raise AssertionError("the handler raises")
+        fail_by_the_last_rank(call, InterruptedError, "told so")
     world._core = core
     assert signal.getsignal(signal.SIGUSR1) is handler
     # A handler that does not raise runs, and changes nothing.
@@ -117,14 +103,6 @@ def test_errors() -> None:
         gas(50, velocities=np.where(np.arange(50)[:, None] == 49, 1e18, 1.0) * np.ones((50, 2))),
         evenly,
     )
-    try:
-        hurried.step(100.0)
-    except ValueError as error:
-        assert comm().rank == comm().size - 1 and "particle 49 would move" in str(error), error
-    except jostle.mpi.RankError as error:
-        assert comm().rank < comm().size - 1, error
-        assert f"rank {comm().size - 1}: ValueError: dt" in str(error), error
-    else:
-        raise AssertionError("the step is refused")
+    fail_by_the_last_rank(lambda: hurried.step(100.0), ValueError, "particle 49 would move")
     hurried.step(1e-18)
     assert world.state_hash() == before and world.time == 0.0

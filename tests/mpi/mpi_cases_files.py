@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from mpi_checks import check, check_asleep, check_saved, refuse
+from mpi_checks import check, check_asleep, check_saved, fail_by_the_last_rank, refuse
 from mpi_worlds import REST, comm, evenly, gas, scattered, sleepers, unevenly, up_to, with_folder
 
 import jostle
@@ -98,13 +98,7 @@ def check_failed_writing(folder: Path) -> None:
 
     storage.MPI = Files()
     try:
-        ours.save(path)
-    except OSError as error:
-        assert last and "world" in str(error), error
-    except jostle.mpi.RankError as error:
-        assert not last and f"rank {comm().size - 1}: OSError" in str(error), error
-    else:
-        raise AssertionError("the disk is full")
+        fail_by_the_last_rank(lambda: ours.save(path), OSError, "world")
     finally:
         storage.MPI = MPI
     comm().Barrier()

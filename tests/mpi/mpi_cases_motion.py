@@ -292,9 +292,15 @@ def test_settings() -> None:
     world = gas(300, cover=0.6, gravity=(0.0, 20.0))
     ours = scattered(world, unevenly)
     for name, value in (
-        ("method", "brute"), ("leaf_capacity", 8), ("method", "quadtree"), ("max_depth", 3),
-        ("threads", 2), ("track_events", True), ("on_touch", "ignore"), ("track_events", False),
-    ):  # fmt: skip
+        ("method", "brute"),
+        ("leaf_capacity", 8),
+        ("method", "quadtree"),
+        ("max_depth", 3),
+        ("threads", 2),
+        ("track_events", True),
+        ("on_touch", "ignore"),
+        ("track_events", False),
+    ):
         for one in (world, ours):
             setattr(one, name, value)
             one.step(1 / 60, 3)

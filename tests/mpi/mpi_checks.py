@@ -153,7 +153,7 @@ def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: 
         assert plain.time == alone.time and plain.walls.shape == world.walls.shape
         for one in (alone, plain):
             assert np.array_equal(one.asleep, asleep)
-            assert one.state_hash() == ours_hash_of(one)
+            assert one.state_hash() == jostle.World.restore(one.snapshot()).state_hash()
             one.step(1 / 60, steps)
             assert one.state_hash() == world.state_hash()
     for root in (-1, comm().size):
@@ -166,10 +166,6 @@ def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: 
     assert path.with_name(f"{comm().rank}").read_bytes() == whole
 
 
-def ours_hash_of(world: jostle.World) -> int:
-    return jostle.World.restore(world.snapshot()).state_hash()
-
-
 def refuse(call: Callable[[], Any], message: str) -> None:
     """All ranks raise, with this message or that of the rank that has it."""
     try:
@@ -178,3 +174,21 @@ def refuse(call: Callable[[], Any], message: str) -> None:
         assert message in str(error), error
     else:
         raise AssertionError(message)
+
+
+def fail_by_the_last_rank(
+    call: Callable[[], Any], kind: type[BaseException], message: str, ranks: MPI.Comm | None = None
+) -> None:
+    """The last rank raises its own error, and the others one that says so."""
+    ranks = ranks or comm()
+    last = ranks.size - 1
+    try:
+        call()
+    except kind as error:
+        assert ranks.rank == last and message in str(error), error
+    except jostle.mpi.RankError as error:
+        assert ranks.rank < last, error
+        assert str(error).startswith(f"rank {last}: {kind.__name__}"), error
+        assert message in str(error), error
+    else:
+        raise AssertionError("the last rank raises")

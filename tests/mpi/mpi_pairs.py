@@ -1,9 +1,11 @@
 """A program of test_mpi_pairs: compares the pairs of all ranks with those of one process."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from mpi4py import MPI
+from mpi_checks import fail_by_the_last_rank
 from mpi_groups import ALL, on_each_number_of_ranks, run
 
 import jostle
@@ -134,15 +136,8 @@ def check_errors() -> None:
     radii = np.ones(4)
     if COMM.rank == COMM.size - 1:
         radii[2] = -0.5
-    try:
-        jostle.mpi.find_pairs(COMM, np.zeros((4, 2)), radii)
-    except ValueError as error:
-        assert COMM.rank == COMM.size - 1 and "radii[2] is -0.5" in str(error), error
-    except jostle.mpi.RankError as error:
-        assert COMM.rank < COMM.size - 1
-        assert str(error).startswith(f"rank {COMM.size - 1}: ValueError: radii[2] is -0.5"), error
-    else:
-        raise AssertionError("a negative radius is refused")
+    find = partial(jostle.mpi.find_pairs, COMM, np.zeros((4, 2)), radii)
+    fail_by_the_last_rank(find, ValueError, "radii[2] is -0.5", COMM)
 
 
 run(lambda: on_each_number_of_ranks(check_all), "all pairs are right")

@@ -129,9 +129,15 @@ def scattered(
     restitution = world.restitution if is_one else world.restitutions[mine]
     kind = jostle.mpi.World if every is None else RandomDomains
     ours = kind(
-        comm(), world.positions[mine], world.velocities[mine], world.radii[mine],
-        restitution=restitution, substeps=chosen_substeps(world), **columns, **settings,
-    )  # fmt: skip
+        comm(),
+        world.positions[mine],
+        world.velocities[mine],
+        world.radii[mine],
+        restitution=restitution,
+        substeps=chosen_substeps(world),
+        **columns,
+        **settings,
+    )
     if every is not None:
         ours._core._rebalance_every(every)
     return ours
