@@ -9,6 +9,8 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -104,17 +106,18 @@ def limit_threads() -> None:
     resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
 
 
-def run_child(code: str, timeout: float = 60) -> str:
-    """Run Python `code` in a separate process; return its output."""
-    tests = os.path.dirname(__file__)
-    begin = f"import sys; sys.path.insert(0, {tests!r})\nimport numpy as np, jostle\n"
-    begin += "jostle._core.wake_threads_always(True)\n"
+def printed_by(*arguments: str | Path, timeout: float = 60, **options: Any) -> str:
+    """Run Python with these arguments in a separate process; return its output."""
     child = subprocess.run(
-        [sys.executable, "-c", begin + code],
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        check=False,
+        [sys.executable, *arguments], capture_output=True, text=True, timeout=timeout, **options
     )
     assert child.returncode == 0, child.stderr[-2000:]
     return child.stdout
+
+
+def run_child(code: str, timeout: float = 60) -> str:
+    """Run Python `code` that uses jostle and these helpers; return its output."""
+    tests = os.path.dirname(__file__)
+    begin = f"import sys; sys.path.insert(0, {tests!r})\nimport numpy as np, jostle\n"
+    begin += "jostle._core.wake_threads_always(True)\n"
+    return printed_by("-c", begin + code, timeout=timeout)

@@ -95,13 +95,19 @@ def odd(left: Any, right: Any) -> bool:
 
 Collided = Callable[[Any, Any], Any] | None
 BUILT_IN: dict[str, Collided] = {
-    "none": None, "rect": collide_rect, "rect ratio": collide_rect_ratio(1.5),
-    "rect ratio down": collide_rect_ratio(0.3), "rect ratio 2": collide_rect_ratio(2),
-    "rect ratio 0": collide_rect_ratio(0), "rect ratio -1": collide_rect_ratio(-1.0),
-    "circle": collide_circle, "circle ratio": collide_circle_ratio(0.8),
-    "circle ratio 2": collide_circle_ratio(2), "circle ratio -1": collide_circle_ratio(-1),
+    "none": None,
+    "rect": collide_rect,
+    "rect ratio": collide_rect_ratio(1.5),
+    "rect ratio down": collide_rect_ratio(0.3),
+    "rect ratio 2": collide_rect_ratio(2),
+    "rect ratio 0": collide_rect_ratio(0),
+    "rect ratio -1": collide_rect_ratio(-1.0),
+    "circle": collide_circle,
+    "circle ratio": collide_circle_ratio(0.8),
+    "circle ratio 2": collide_circle_ratio(2),
+    "circle ratio -1": collide_circle_ratio(-1),
     "prefilter": ours.prefilter(odd, reach=2.5),
-}  # fmt: skip
+}
 
 
 def same_groupcollide(
@@ -316,6 +322,19 @@ def test_a_users_function_is_called_for_every_pair(collided: Any) -> None:
     assert calls == [(a.name, b.name) for a, b in combinations(group, 2)] != []
 
 
+def calls_of(library: Any, left: list[Any], right: list[Any], collided: Any) -> list[Any]:
+    """Return calls of each function of the library, also of that which pygame does not have."""
+    both = [*left, *right]
+    own = [lambda: ours.selfcollide(both, collided)] if library is ours else []
+    return [
+        lambda: library.groupcollide(left, right, False, False, collided),
+        lambda: library.groupcollide(left, right, True, True, collided),
+        lambda: library.spritecollide(left[0], right, False, collided),
+        lambda: library.spritecollideany(left[0], right, collided),
+        *own,
+    ]
+
+
 def test_an_exception_of_a_users_function_is_passed_on() -> None:
     class Refused(Exception):
         pass
@@ -325,14 +344,9 @@ def test_an_exception_of_a_users_function_is_passed_on() -> None:
 
     sprites = [Named(f"s{x}", Rect(x, 0, 5, 5)) for x in (0, 900)]
     for collided in (refuse, ours.prefilter(refuse, reach=1000)):
-        with pytest.raises(Refused):
-            ours.groupcollide(sprites[:1], sprites[1:], False, False, collided)
-        with pytest.raises(Refused):
-            ours.spritecollide(sprites[0], sprites[1:], False, collided)
-        with pytest.raises(Refused):
-            ours.spritecollideany(sprites[0], sprites[1:], collided)
-        with pytest.raises(Refused):
-            ours.selfcollide(sprites, collided)
+        for call in calls_of(ours, sprites[:1], sprites[1:], collided):
+            with pytest.raises(Refused):
+                call()
     assert ours.selfcollide(sprites, ours.prefilter(refuse, reach=894)) == []
 
 
@@ -604,13 +618,7 @@ def test_a_sprite_without_a_rect_is_refused_as_pygame_does(
     left, right = ([bad], [good]) if broken == "left" else ([good], [bad])
 
     def refusals(library: Any) -> Iterator[str]:
-        calls = [
-            lambda: library.groupcollide(left, right, False, False, collided),
-            lambda: library.groupcollide(left, right, True, True, collided),
-            lambda: library.spritecollide(left[0], right, False, collided),
-            lambda: library.spritecollideany(left[0], right, collided),
-        ]
-        for call in calls:
+        for call in calls_of(library, left, right, collided)[:4]:
             with pytest.raises((AttributeError, TypeError)) as refusal:
                 call()
             yield repr(refusal.value)
@@ -644,13 +652,9 @@ def test_a_keyboard_interrupt_gets_through() -> None:
 @pytest.mark.parametrize("collided", [3, "rect", collide_rect_ratio("x"), collide_rect_ratio(None)])
 def test_what_pygame_refuses_is_refused(collided: Any) -> None:
     left, right = one_place(1), one_place(1)
-    for library in (theirs, ours):
+    for call in calls_of(theirs, left, right, collided) + calls_of(ours, left, right, collided):
         with pytest.raises(TypeError):
-            library.groupcollide(left, right, False, False, collided)
-        with pytest.raises(TypeError):
-            library.spritecollide(left[0], right, False, collided)
-    with pytest.raises(TypeError):
-        ours.selfcollide([*left, *right], collided)
+            call()
 
 
 @pytest.mark.parametrize("radius", ["x", None, 10**400, float("nan"), float("inf"), 1e160])

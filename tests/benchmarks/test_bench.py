@@ -2,8 +2,6 @@
 
 import csv
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +16,7 @@ from machine import Results, describe, slug, version_of
 from pair_rivals import RIVALS, Rival, Unable
 from ratios import compare, crossing
 from run import summary
+from signals import printed_by
 from timing import Effort, Timing, interleaved
 
 import jostle
@@ -265,10 +264,7 @@ def test_a_machine_has_a_name_for_files() -> None:
 def run_benchmarks(*arguments: str | Path, code: str = "") -> str:
     """Run them, or `code` beside them; return what is printed."""
     program = ["-c", code] if code else ["run.py"]
-    command = [sys.executable, *program, *arguments]
-    done = subprocess.run(command, cwd=BENCHMARKS, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return printed_by(*program, *arguments, cwd=BENCHMARKS, timeout=600)
 
 
 def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:

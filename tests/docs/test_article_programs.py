@@ -2,7 +2,6 @@
 
 import os
 import runpy
-import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import pygame
 import pytest
 from article import window
 from outputs import frames_of
+from signals import printed_by
 
 from jostle_lab.article import HEIGHT, WIDTH, Particle, Simulation
 
@@ -21,13 +21,8 @@ def run(program: str, *options: str, folder: Path) -> str:
     """Run a program without a display; return what it prints."""
     environment = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
     environment["SDL_VIDEODRIVER"] = "dummy"
-    command = [sys.executable, "-W", "error::DeprecationWarning:__main__"]
-    command += [str(FOLDER / f"{program}.py"), *options]
-    done = subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    command = ["-W", "error::DeprecationWarning:__main__", FOLDER / f"{program}.py", *options]
+    return printed_by(*command, cwd=folder, env=environment)
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

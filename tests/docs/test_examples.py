@@ -3,13 +3,13 @@
 import ast
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pygame
 import pytest
+from signals import printed_by
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "examples"
@@ -22,10 +22,6 @@ FRAMES = {"02_ten_thousand_balls": "3", "03_bullets_and_ships": "90"}
 each_example = pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 
 
-def picture_of(example: Path) -> Path:
-    return PICTURES / f"example-{example.stem.replace('_', '-')}.png"
-
-
 def pixels(picture: Path) -> np.ndarray:
     """Colours, shape (width, height, 3)."""
     return pygame.surfarray.array3d(pygame.image.load(picture).convert(24))
@@ -34,9 +30,7 @@ def pixels(picture: Path) -> np.ndarray:
 def run(*arguments: str) -> None:
     """Run Python without a display, and check that it ends without errors and warnings."""
     environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": str(FOLDER)}
-    command = [sys.executable, "-W", "error::DeprecationWarning:__main__", *arguments]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    printed_by("-W", "error::DeprecationWarning:__main__", *arguments, env=environment)
 
 
 def test_the_numbers_have_no_gap() -> None:
@@ -84,27 +78,19 @@ def test_imports_nothing_that_readers_do_not_have(path: Path) -> None:
 
 
 @each_example
-def test_its_picture_is_in_the_documents(example: Path) -> None:
-    picture = picture_of(example)
+def test_its_picture_and_its_words_are_in_the_documents(example: Path) -> None:
+    picture = PICTURES / f"example-{example.stem.replace('_', '-')}.png"
     assert pixels(picture).shape == (800, 500, 3)
     assert picture.stat().st_size < 150_000
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
     assert example.name in text
     assert f"../docs/pictures/{picture.name}" in text
-
-
-@each_example
-def test_the_list_says_what_the_example_says(example: Path) -> None:
-    words = ast.get_docstring(ast.parse(example.read_text(encoding="utf-8")))
-    assert words in (FOLDER / "README.md").read_text(encoding="utf-8")
+    assert ast.get_docstring(ast.parse(example.read_text(encoding="utf-8"))) in text
 
 
 def test_processes_that_sweep_a_setting_report_each_value() -> None:
-    done = subprocess.run(
-        [sys.executable, str(FOLDER / "sweep.py")], capture_output=True, text=True, timeout=120
-    )
-    assert done.returncode == 0, done.stderr
-    left = [float(line.split()[1]) for line in done.stdout.splitlines()[1:]]
+    said = printed_by(FOLDER / "sweep.py", timeout=120)
+    left = [float(line.split()[1]) for line in said.splitlines()[1:]]
     assert len(left) == 4 and left == sorted(left) and left[-1] == 1.0
 
 
