@@ -149,9 +149,15 @@ def _with_outliers(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 ARRANGEMENTS = {
     arrange.__name__.strip("_"): arrange
     for arrange in (
-        _uniform, _on_a_line, _on_a_grid, _coincident, _nested, _clusters, _with_outliers,
+        _uniform,
+        _on_a_line,
+        _on_a_grid,
+        _coincident,
+        _nested,
+        _clusters,
+        _with_outliers,
     )
-}  # fmt: skip
+}
 
 
 @st.composite

@@ -38,10 +38,17 @@ class TiltedPile:
         self.width = width
         self.tilt = 0.0
         self.world = jostle.World(
-            positions, rng.normal(size=positions.shape), radii, masses=radii**2,
-            gravity=(0, -GRAVITY), restitution=0.0, friction=friction, substeps=substeps,
-            container=jostle.Box(0, 0, width, 2 * largest * (rows[-1] + 2)), sleeping=False,
-        )  # fmt: skip
+            positions,
+            rng.normal(size=positions.shape),
+            radii,
+            masses=radii**2,
+            gravity=(0, -GRAVITY),
+            restitution=0.0,
+            friction=friction,
+            substeps=substeps,
+            container=jostle.Box(0, 0, width, 2 * largest * (rows[-1] + 2)),
+            sleeping=False,
+        )
         self.world.step(STEP, steps=400)
 
     def tilt_by(self, degrees: float, steps: int) -> None:

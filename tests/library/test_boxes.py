@@ -497,22 +497,19 @@ def test_wrong_moves_are_refused() -> None:
     space = jostle.Space()
     ids = space.add(boxes=[(0, 0, 1, 1), (2, 0, 3, 1)])
     before = space.boxes().tolist()
-    for arguments, error, message in [
-        ({}, TypeError, "centers or boxes must be given"),
-        ({"centers": [(0, 0)] * 2, "boxes": ONE * 2}, TypeError, "leave out centers"),
-        ({"boxes": ONE}, ValueError, r"boxes has shape \(1, 4\); it must be \(2, 4\)"),
-        ({"boxes": ONE[0]}, ValueError, r"boxes has shape \(4,\); it must be \(2, 4\)"),
-        ({"boxes": [ONE[0], (0, 1, 1, 0)]}, ValueError, r"boxes\[1\] is \(0, 1, 1, 0\)"),
-        ({"centers": ONE * 2}, ValueError, "rectangles are given as boxes="),
+    for which, arguments, error, message in [
+        (ids, {}, TypeError, "centers or boxes must be given"),
+        (ids, {"centers": [(0, 0)] * 2, "boxes": ONE * 2}, TypeError, "leave out centers"),
+        (ids, {"boxes": ONE}, ValueError, r"boxes has shape \(1, 4\); it must be \(2, 4\)"),
+        (ids, {"boxes": ONE[0]}, ValueError, r"boxes has shape \(4,\); it must be \(2, 4\)"),
+        (ids, {"boxes": [ONE[0], (0, 1, 1, 0)]}, ValueError, r"boxes\[1\] is \(0, 1, 1, 0\)"),
+        (ids, {"centers": ONE * 2}, ValueError, "rectangles are given as boxes="),
+        (0, {"boxes": (0, 1, 1, 0)}, ValueError, r"boxes is \(0, 1, 1, 0\); "),
+        (0, {"boxes": ONE}, ValueError, "as there is one id"),
+        ([0, 7], {"boxes": ONE * 2}, ValueError, r"ids\[1\] is 7; no shape"),
     ]:
         with pytest.raises(error, match=message):
-            space.move(ids, **arguments)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"boxes is \(0, 1, 1, 0\); "):
-        space.move(0, boxes=(0, 1, 1, 0))
-    with pytest.raises(ValueError, match="as there is one id"):
-        space.move(0, boxes=ONE)
-    with pytest.raises(ValueError, match=r"ids\[1\] is 7; no shape"):
-        space.move([0, 7], boxes=ONE * 2)
+            space.move(which, **arguments)  # type: ignore[arg-type]
     assert space.boxes().tolist() == before
 
 

@@ -95,10 +95,9 @@ def test_a_distance_for_each_query() -> None:
     assert hits.normals.tolist() == [[0, 0], [-1, 0]] or hits.distances.tolist() == [np.inf, 1.0]
     with pytest.raises(ValueError, match=r"max_distance\[1\] is -2; it must be at least 0"):
         tree.nearest([(1, 0), (1, 0)], max_distance=[1, -2])
-    with pytest.raises(ValueError, match="max_distance has shape"):
-        tree.nearest([(1, 0), (1, 0)], max_distance=[1, 2, 3])
-    with pytest.raises(ValueError, match="max_distance has shape"):
-        tree.nearest((1, 0), max_distance=[1])
+    for points, reach in (([(1, 0), (1, 0)], [1, 2, 3]), ((1, 0), [1])):
+        with pytest.raises(ValueError, match="max_distance has shape"):
+            tree.nearest(points, max_distance=reach)
 
 
 def test_contacts_between_two_trees() -> None:

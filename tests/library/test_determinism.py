@@ -30,34 +30,25 @@ def test_a_scene_ends_in_its_pinned_state(name: str) -> None:
     assert f"{world.state_hash():#018x}" == f"{PINNED[name]:#018x}"
 
 
-@pytest.mark.slow
-def test_threads_do_not_show_in_a_large_pile() -> None:
+@pytest.mark.parametrize(
+    ("n", "fallen", "steps", "collisions"),
+    [(6_000, 65, 12, 50_000), pytest.param(20_000, 125, 10, 10_000, marks=pytest.mark.slow)],
+)
+def test_threads_do_not_show_while_a_pile_lands(
+    n: int, fallen: int, steps: int, collisions: int
+) -> None:
     """A falling disc may hit one at rest while both have other impacts, in different blocks.
 
-    Such a pair has shown the number of threads after 134 steps.
+    In the larger pile such a pair has shown the number of threads after 134 steps.
     """
-    world = jostle.scenes.create("pile", n=20_000)
-    world.step(STEP, 125)
+    world = jostle.scenes.create("pile", n=n)
+    world.step(STEP, fallen)
     begun = world.snapshot()
     hashes = []
     for threads in (1, 2):
         world = jostle.World.restore(begun)
         world.threads = threads
-        world.step(STEP, 10)
-        hashes.append(world.state_hash())
-    assert hashes[0] == hashes[1]
-
-
-def test_threads_do_not_show_while_a_pile_lands() -> None:
-    """A falling disc may hit one at rest while both have other impacts, in different blocks."""
-    world = jostle.scenes.create("pile", n=6_000)
-    world.step(STEP, 65)
-    begun = world.snapshot()
-    hashes = []
-    for threads in (1, 2):
-        world = jostle.World.restore(begun)
-        world.threads = threads
-        world.step(STEP, 12)
-        assert world.collisions.pairs > 50_000
+        world.step(STEP, steps)
+        assert world.collisions.pairs > collisions
         hashes.append(world.state_hash())
     assert hashes[0] == hashes[1]

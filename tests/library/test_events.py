@@ -18,51 +18,6 @@ def as_set(pairs: np.ndarray) -> Pairs:
     return set(rows)
 
 
-def overlapping(world: jostle.World) -> Pairs:
-    """Return the pairs that overlap, by brute force."""
-    p, r = world.positions.astype(float), world.radii.astype(float)
-    i, j = np.triu_indices(len(world), 1)
-    near = np.hypot(*(p[i] - p[j]).T) < r[i] + r[j]
-    ids = world.ids
-    return set(zip(ids[i[near]].tolist(), ids[j[near]].tolist(), strict=True))
-
-
-def random_walkers(seed: int) -> jostle.World:
-    rng = np.random.default_rng(seed)
-    return jostle.World(
-        rng.uniform(1, 19, (60, 2)),
-        rng.normal(0, 6, (60, 2)),
-        rng.uniform(0.2, 0.9, 60),
-        container=jostle.Box(0, 0, 20, 20),
-        on_touch="ignore",
-        track_events=True,
-    )
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_events_are_those_of_brute_force_at_many_short_steps(seed: int) -> None:
-    """The brute force sees the pairs at the ends of 100 parts of each call."""
-    world, fine = random_walkers(seed), random_walkers(seed)
-    before: Pairs = set()
-    missed = 0
-    for _ in range(15):
-        during: Pairs = set()
-        for _ in range(100):
-            fine.step(STEP / 20)
-            during |= overlapping(fine)
-        world.step(STEP, steps=5)
-        entered, stayed, left = map(as_set, world.events)
-        now = overlapping(world)
-        assert stayed == before & now
-        assert during - before <= entered
-        assert left >= (before | during) - now
-        assert left - before <= entered
-        assert entered - left == now - before
-        missed += len(entered - during)  # grazing pairs
-        before = now
-    assert missed < 15
-
-
 def test_events_need_to_be_asked_for() -> None:
     world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, radii=1.0)
     assert world.track_events is False

@@ -16,25 +16,11 @@ pytestmark = [
 ]
 
 
-@pytest.mark.parametrize("threads", [None, 2])
-def test_a_forked_process_finds_the_same_pairs(threads: int | None) -> None:
-    centers = np.random.default_rng(0).random((60_000, 2))
-    expected = jostle.find_pairs(centers, 0.001, threads=threads)
-    assert len(expected) > 0
-    child = os.fork()
-    if child == 0:
-        signal.alarm(20)  # a hang ends the child, not the test run
-        same = np.array_equal(jostle.find_pairs(centers, 0.001, threads=threads), expected)
-        os._exit(0 if same else 1)
-    _, status = os.waitpid(child, 0)
-    assert os.waitstatus_to_exitcode(status) == 0
-
-
 def exit_code_of_child(work: Callable[[], object]) -> int:
     """Fork; return 0 if `work` succeeds, 2 if it raises the error about the fork."""
     child = os.fork()
     if child == 0:
-        signal.alarm(20)
+        signal.alarm(20)  # a hang ends the child, not the test run
         code = 1
         try:
             work()
@@ -45,6 +31,18 @@ def exit_code_of_child(work: Callable[[], object]) -> int:
             os._exit(code)
     _, status = os.waitpid(child, 0)
     return os.waitstatus_to_exitcode(status)
+
+
+@pytest.mark.parametrize("threads", [None, 2])
+def test_a_forked_process_finds_the_same_pairs(threads: int | None) -> None:
+    centers = np.random.default_rng(0).random((60_000, 2))
+    expected = jostle.find_pairs(centers, 0.001, threads=threads)
+    assert len(expected) > 0
+
+    def work() -> None:
+        assert np.array_equal(jostle.find_pairs(centers, 0.001, threads=threads), expected)
+
+    assert exit_code_of_child(work) == 0
 
 
 def forks_during(call: Callable[[], object], work: Callable[[], object]) -> set[int]:

@@ -1,13 +1,11 @@
 """The ids of a world: against a plain dictionary, through random histories."""
 
-import copy
-import pickle
 import random
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
+from copies import WAYS
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -102,11 +100,7 @@ class History:
         self.attractors = [int(new[id]) for id in self.attractors]
 
     def copy(self) -> None:
-        ways: list[Callable[[Any], Any]] = [
-            lambda world: jostle.World.restore(world.snapshot()),
-            lambda world: pickle.loads(pickle.dumps(world)),
-            copy.deepcopy,
-        ]
+        ways = [lambda world: jostle.World.restore(world.snapshot()), *WAYS]
         self.world = self.random.choice(ways)(self.world)
 
     def ask_for_what_is_gone(self) -> None:
@@ -190,9 +184,16 @@ def made_anew(world: jostle.World, on_touch: str) -> jostle.World:
         elif isinstance(force, jostle.Attractor) and force.particle is not None:
             forces.append(jostle.Attractor(particle=rows[force.particle], strength=0.5))
     return jostle.World(
-        world.positions, world.velocities, world.radii, masses=world.masses, gravity=(0, 3),
-        restitution=0.5, container=world.container, on_touch=on_touch, forces=forces,
-    )  # fmt: skip
+        world.positions,
+        world.velocities,
+        world.radii,
+        masses=world.masses,
+        gravity=(0, 3),
+        restitution=0.5,
+        container=world.container,
+        on_touch=on_touch,
+        forces=forces,
+    )
 
 
 @given(

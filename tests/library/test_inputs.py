@@ -1,13 +1,12 @@
 """Arguments: invalid, huge, masked and empty ones, bit sets; and the types of returned ids."""
 
 import re
-import subprocess
-import sys
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from signals import run_child
 
 import jostle
 
@@ -120,10 +119,7 @@ for name, size, call in [
         raise AssertionError(name)
 print("done")
 """
-    run = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False
-    )
-    assert (run.stdout, run.stderr) == ("done\n", "")
+    assert run_child(program) == "done\n"
 
 
 class Liar(np.ndarray[Any, Any]):

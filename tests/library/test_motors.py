@@ -1,13 +1,12 @@
 """`Motor`, a given motion of immovable particles and walls."""
 
-import copy
 import math
-import pickle
 import re
 from typing import Any
 
 import numpy as np
 import pytest
+from copies import WAYS
 
 import jostle
 
@@ -30,8 +29,7 @@ def test_they_are_values() -> None:
     assert (motor.center, motor.velocity, motor.angular_velocity) == ((0.5, 1), (0, 2), 0)
     assert motor.period == 3 and jostle.Motor([0]).period is None
     assert repr(motor) == "<jostle.Motor of 2 particles and 1 walls>"
-    for same in (pickle.loads(pickle.dumps(motor)), copy.deepcopy(motor)):
-        assert same == motor
+    assert all(way(motor) == motor for way in WAYS)
     assert motor != jostle.Motor([1, 0], walls=[1], center=(0.5, 1), velocity=(0, 2))
     moved = world(forces=[motor])
     assert moved.forces == (motor,)

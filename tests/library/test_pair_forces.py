@@ -1,11 +1,10 @@
 """Forces between kinds and flocking, from Python: against NumPy, and errors."""
 
-import copy
-import pickle
+import re
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from copies import WAYS
 
 import jostle
 from jostle import Flocking, PairForce, life
@@ -19,6 +18,11 @@ def random_state(n, seed=0):
     rng = np.random.default_rng(seed)
     positions = rng.uniform(0, SIDE, (n, 2)).astype(np.float32)
     return positions, rng.normal(0, 2, (n, 2)).astype(np.float32), rng.integers(0, 3, n)
+
+
+def points(positions, velocities, force, **settings):
+    """Return a world of particles that act on each other by a force alone."""
+    return jostle.World(positions, velocities, 0.1, on_touch="ignore", forces=[force], **settings)
 
 
 def offsets(positions, periodic):
@@ -41,16 +45,8 @@ def test_a_step_is_that_of_numpy(periodic, method):
     force = jostle.PairForce(kinds, table, cutoff)
     container = jostle.Torus(SIDE, SIDE) if periodic else None
     masses = rng.uniform(1, 3, 400)
-    world = jostle.World(
-        positions,
-        velocities,
-        0.1,
-        masses=masses,
-        container=container,
-        on_touch="ignore",
-        forces=[force],
-        method=method,
-    )
+    settings = {"masses": masses, "container": container, "method": method}
+    world = points(positions, velocities, force, **settings)
     world.step(dt)
     offset, distance = offsets(positions + velocities * np.float32(dt / 2), periodic)
     at = np.minimum(distance / cutoff * 11, 11)
@@ -70,14 +66,7 @@ def test_a_step_is_that_of_numpy(periodic, method):
 def test_a_flock_is_that_of_numpy():
     positions, velocities, _ = random_state(300, 1)
     birds = jostle.Flocking(6.0, separation=4.0, alignment=1.5, cohesion=0.3, max_speed=np.inf)
-    world = jostle.World(
-        positions,
-        velocities,
-        0.1,
-        container=jostle.Torus(SIDE, SIDE),
-        on_touch="ignore",
-        forces=[birds],
-    )
+    world = points(positions, velocities, birds, container=jostle.Torus(SIDE, SIDE))
     world.step(0.01)
     offset, distance = offsets(positions + velocities * np.float32(0.005), True)
     near = distance < 6.0
@@ -113,8 +102,7 @@ def test_the_matrix_can_be_read_from_the_force(core):
 
 
 def test_other_forces_have_no_matrix():
-    fluid = jostle.PairForce.lennard_jones([0], 1.0, 1.0, 2.5)
-    assert life.matrix_of(fluid) is None
+    assert life.matrix_of(FLUID) is None
     assert life.matrix_of(jostle.PairForce([0], [[[0.0, 0.0]]], 1.0)) is None
 
 
@@ -131,14 +119,7 @@ def test_random_matrices_are_symmetric_if_asked():
 
 def test_a_soft_disc_comes_to_rest_by_damping():
     force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0, damping=5.0)
-    world = jostle.World(
-        [(0, 0), (1.0, 0)],
-        [(0.5, 0), (-0.5, 0)],
-        1.0,
-        masses=1.0,
-        on_touch="ignore",
-        forces=[force],
-    )
+    world = points([(0, 0), (1.0, 0)], [(0.5, 0), (-0.5, 0)], force, masses=1.0)
     energy = world.kinetic_energy + world.potential_energy
     world.step(0.005, steps=60)
     assert world.kinetic_energy + world.potential_energy < 0.99 * energy
@@ -160,9 +141,8 @@ def test_kinds_follow_through_add_and_remove():
         (-1, "kinds is -1; it must be a kind, between 0 and 63"),
         (64, "a kind, between 0 and 63"),
     ]:
-        with pytest.raises(ValueError) as error:
+        with pytest.raises(ValueError, match=re.escape(words)):
             world.add((70, 0), (0, 0), kinds=kinds)
-        assert words in str(error.value)
         assert len(world) == 6
 
 
@@ -174,31 +154,29 @@ FORCES = [
 
 @pytest.mark.parametrize("force", FORCES)
 def test_copies_are_equal(force):
-    for other in (copy.copy(force), copy.deepcopy(force), pickle.loads(pickle.dumps(force))):
-        assert other == force
+    assert all(way(force) == force for way in WAYS)
     assert force != FORCES[0] or force != FORCES[1]
 
 
 def test_columns_are_read_only():
-    force = FORCES[0]
+    force, springs = FORCES[0], jostle.Springs([(0, 1)], 1, 2)
     assert force.kinds.dtype == np.uint8 and force.table.dtype == np.float32
-    for column in (force.kinds, force.table):
+    of_springs = ("pairs", "lengths", "stiffness", "damping", "max_stretch")
+    for column in (force.kinds, force.table, *(getattr(springs, name) for name in of_springs)):
         with pytest.raises(ValueError, match="read-only"):
             column[0] = 0
 
 
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
+FLUID, RNG = lennard_jones([0], 1.0, 1.0, 2.5), np.random.default_rng(0)
+NONE = np.zeros((1, 1, 2))
+WRONG = {
+    ValueError: [
         (lambda: PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
         (lambda: PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
         (lambda: PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
         (lambda: PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
-        (
-            lambda: PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
-            "kinds[1] is 1; the table has 1 kind, from 0 to 0",
-        ),
-        (lambda: PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
+        (lambda: PairForce([0, 1], NONE, 1.0), "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
+        (lambda: PairForce([[0]], NONE, 1.0), "(n,)"),
         (lambda: PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
         (lambda: particle_life([0], [[1, 0], [np.nan, 0]], 1.0), "matrix[1, 0] is NaN"),
         (lambda: particle_life([0], [[1]], 1.0, strength=np.inf), "strength is inf"),
@@ -209,9 +187,9 @@ def test_columns_are_read_only():
         (lambda: lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0), "epsilon[1, 0] is inf"),
         (lambda: lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0), "sigma[1, 0] is -2"),
         (lambda: soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
-        (lambda: PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
-        (lambda: PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
-        (lambda: PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
+        (lambda: PairForce([0], NONE, 0.0), "cutoff is 0"),
+        (lambda: PairForce([0], NONE, np.inf), "cutoff is inf"),
+        (lambda: PairForce([0], NONE, 1.0, -1.0), "damping is -1"),
         (lambda: particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
         (lambda: particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
         (lambda: particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
@@ -225,49 +203,36 @@ def test_columns_are_read_only():
             "epsilon is -1; it must be finite and at least 0",
         ),
         (lambda: lennard_jones([0], [[1, 1], [1, np.nan]], 1.0, 1.0), "epsilon[1, 1] is NaN"),
-        (lambda: lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0), "a number or (2, 2)"),
+        (lambda: lennard_jones([0], np.eye(2), np.eye(3), 1.0), "a number or (2, 2)"),
         (lambda: soft_discs([0], 1.0, -1.0), "diameters is -1"),
-        (lambda: soft_discs([0], -1.0, 1.0), "stiffness is -1; it must be finite and at least 0"),
+        (lambda: soft_discs([0], -1.0, 1.0), "stiffness is -1; it must be finite and"),
         (lambda: Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
         (lambda: Flocking(1, -1, 1, 1, 1), "separation is -1"),
         (lambda: Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
         (lambda: Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
+        (lambda: life.random_matrix(RNG, 0), "kinds is 0"),
+        (lambda: life.random_matrix(RNG, 65), "kinds is 65"),
+        (lambda: life.core_of(FLUID), "force is <jostle.PairForce of 1 particle of 1 kind"),
     ],
-)
-def test_wrong_numbers_are_refused(make, words):
-    with pytest.raises(ValueError) as error:
-        make()
-    assert words in str(error.value)
-
-
-def test_errors_of_life_name_the_argument():
-    fluid = jostle.PairForce.lennard_jones([0], 1.0, 1.0, 2.5)
-    for make, words in (
-        (lambda: life.random_matrix(np.random.default_rng(0), 0), "kinds is 0"),
-        (lambda: life.random_matrix(np.random.default_rng(0), 65), "kinds is 65"),
-        (lambda: life.core_of(fluid), "force is <jostle.PairForce of 1 particle of 1 kind"),
-    ):
-        with pytest.raises(ValueError, match=words):
-            make()
-    for make, words in (
+    TypeError: [
+        (lambda: PairForce([0.5], NONE, 1.0), "kinds must hold integers"),
+        (lambda: PairForce(["a"], NONE, 1.0), "kinds must hold integers"),
+        (lambda: PairForce([0], NONE, "far"), "cutoff must be a number, not str"),
+        (lambda: Flocking("far", 1, 1, 1, 1), "cutoff must be a number, not str"),
         (lambda: life.random_matrix(5), "rng must be a numpy.random.Generator, not int"),
-        (lambda: life.random_matrix(np.random.default_rng(0), 2.5), "kinds must be an integer"),
+        (lambda: life.random_matrix(RNG, 2.5), "kinds must be an integer"),
         (lambda: life.core_of(5), "force must be a PairForce, not int"),
         (lambda: life.matrix_of(5), "force must be a PairForce, not int"),
-    ):
-        with pytest.raises(TypeError, match=words):
-            make()
+    ],
+}
 
 
-def test_wrong_types_are_refused():
-    for make in (
-        lambda: PairForce([0.5], np.zeros((1, 1, 2)), 1.0),
-        lambda: PairForce(["a"], np.zeros((1, 1, 2)), 1.0),
-        lambda: PairForce([0], np.zeros((1, 1, 2)), "far"),
-        lambda: Flocking("far", 1, 1, 1, 1),
-    ):
-        with pytest.raises(TypeError):
-            make()
+@pytest.mark.parametrize(
+    ("error", "make", "words"), [(error, *case) for error in WRONG for case in WRONG[error]]
+)
+def test_wrong_arguments_are_refused(error, make, words):
+    with pytest.raises(error, match=re.escape(words)):
+        make()
 
 
 def test_a_force_must_fit_the_world():
@@ -278,69 +243,3 @@ def test_a_force_must_fit_the_world():
     with pytest.raises(ValueError, match="a cutoff is at most 5"):
         world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]
     assert world.forces == ()
-
-
-def radial_distribution(frames, side, bins):
-    """Return g(r) of some frames of particles on a torus."""
-    counts = np.zeros(len(bins) - 1)
-    for positions in frames:
-        offset = positions[None].astype(float) - positions[:, None]
-        offset -= side * np.round(offset / side)
-        counts += np.histogram(np.sqrt((offset**2).sum(axis=2)), bins)[0]
-    n, rings = len(frames[0]), np.pi * (bins[1:] ** 2 - bins[:-1] ** 2)
-    return counts / (len(frames) * n * (n - 1) / side**2 * rings)
-
-
-def forces_of_lennard_jones(positions, side):
-    """Return forces of the truncated potential, by NumPy over the pairs that SciPy finds."""
-    pairs = cKDTree(positions % side % side, boxsize=side).query_pairs(2.5, output_type="ndarray")
-    a, b = pairs.T
-    x, y = (positions[b] - positions[a]).T
-    x, y = x - side * np.round(x / side), y - side * np.round(y / side)
-    squares = x * x + y * y
-    sixth = 1 / (squares * squares * squares)
-    scale = 24 * (sixth - 2 * sixth * sixth) / squares
-    n = len(positions)
-    forces = [
-        np.bincount(a, scale * along, n) - np.bincount(b, scale * along, n) for along in (x, y)
-    ]
-    return np.stack(forces, 1)
-
-
-@pytest.mark.slow
-def test_a_fluid_has_the_structure_of_an_independent_simulation():
-    """g(r) at the density 0.6 and a temperature near 1, beside velocity Verlet in NumPy."""
-    n, density, dt = 144, 0.6, 0.005
-    side = float(np.sqrt(n / density))
-    rng = np.random.default_rng(4)
-    sites = (np.stack(np.meshgrid(range(12), range(12)), 2).reshape(-1, 2) + 0.5) * side / 12
-    start = rng.normal(0, 1.2, (n, 2))
-    start -= start.mean(axis=0)
-    world = jostle.World(
-        sites,
-        start,
-        0.1,
-        masses=1.0,
-        container=jostle.Torus(side, side),
-        on_touch="ignore",
-        forces=[jostle.PairForce.lennard_jones(np.zeros(n, int), 1.0, 1.0, 2.5)],
-    )
-    positions, velocities = sites.copy(), start.copy()
-    force = forces_of_lennard_jones(positions, side)
-    ours, theirs, heat = [], [], np.zeros(2)
-    for frame in range(500):
-        world.step(dt, steps=20)
-        for _ in range(20):
-            velocities += dt / 2 * force
-            positions += dt * velocities
-            force = forces_of_lennard_jones(positions, side)
-            velocities += dt / 2 * force
-        if frame >= 100:
-            ours.append(world.positions)
-            theirs.append(positions.copy())
-            heat += world.kinetic_energy / n, 0.5 * (velocities**2).sum() / n
-    bins = np.linspace(0.8, 3.0, 34)
-    g, expected = (radial_distribution(frames, side, bins) for frames in (ours, theirs))
-    assert abs(heat[0] / heat[1] - 1) < 0.02
-    assert 1.0 < bins[g.argmax()] < 1.2 and g.max() > 1.8
-    assert np.abs(g - expected).max() < 0.08

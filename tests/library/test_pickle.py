@@ -1,22 +1,14 @@
 """Trees, spaces and events that are pickled or copied answer as before."""
 
-import copy
-import pickle
 from typing import Any
 
 import numpy as np
 import pytest
+from copies import WAYS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jostle
-
-
-def by_pickle(thing: Any) -> Any:
-    return pickle.loads(pickle.dumps(thing))
-
-
-WAYS = [by_pickle, copy.copy, copy.deepcopy]
 
 
 @pytest.mark.parametrize("way", WAYS)

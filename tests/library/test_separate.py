@@ -8,15 +8,6 @@ from hypothesis import strategies as st
 import jostle
 
 
-def gaps(centers, radii, halves):
-    """The gap between the surfaces of each pair, by the formula of the documentation."""
-    i, j = np.triu_indices(len(centers), 1)
-    d = np.abs(centers[i] - centers[j]) - (halves[i] + halves[j])
-    outside = np.hypot(*np.maximum(d, 0).T)
-    inside = np.minimum(d.max(axis=1), 0)
-    return outside + inside - (radii[i] + radii[j]), i, j
-
-
 def count(centers, radii, halves, gap=0.0):
     """Overlapping pairs, by the exact formula, in the precision of the arrays."""
     i, j = np.triu_indices(len(centers), 1)
@@ -224,36 +215,30 @@ def test_a_gap_is_kept() -> None:
     centers, halves = rng.uniform(0, 20, (60, 2)), rng.uniform(0, 2, (60, 2))
     apart = jostle.separate(centers, 0.5, halves, gap=1.5)
     assert apart.overlaps == 0
-    distance, _, _ = gaps(apart.centers, np.full(60, 0.5), halves)
-    assert distance.min() >= 1.5 - 1e-9
+    assert count(apart.centers, np.full(60, 0.5), halves, 1.5 - 1e-9) == 0
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    ("arguments", "error", "message"),
     [
-        ({"weights": [1, 0]}, r"weights\[1\] is 0"),
-        ({"weights": -1.0}, "weights is -1"),
-        ({"weights": [1, 2, 3]}, r"weights has shape \(3,\)"),
-        ({"fixed": [True]}, r"fixed has shape \(1,\)"),
-        ({"gap": -1}, "gap is -1"),
-        ({"gap": float("nan")}, "gap is NaN"),
-        ({"tolerance": 2}, "tolerance is 2; it must be between 0 and 1"),
-        ({"axis": 2}, "axis is 2; it must be 0 or 1"),
-        ({"bounds": (0, 0, -1, 1)}, "bounds is"),
-        ({"bounds": (0, 0, 1, 1)}, "shape 0 is larger"),
-        ({"bounds": [(0, 0, 9, 9)]}, r"bounds has shape \(1, 4\)"),
-        ({"radii": [1, float("inf")]}, r"radii\[1\] is inf"),
-        ({"max_rounds": -1}, "max_rounds is -1"),
-        ({"threads": 0}, "threads is 0"),
+        ({"fixed": [1, 0]}, TypeError, "fixed must hold booleans"),
+        ({"gap": "1"}, TypeError, "gap must be a number"),
+        ({"weights": [1, 0]}, ValueError, r"weights\[1\] is 0"),
+        ({"weights": -1.0}, ValueError, "weights is -1"),
+        ({"weights": [1, 2, 3]}, ValueError, r"weights has shape \(3,\)"),
+        ({"fixed": [True]}, ValueError, r"fixed has shape \(1,\)"),
+        ({"gap": -1}, ValueError, "gap is -1"),
+        ({"gap": float("nan")}, ValueError, "gap is NaN"),
+        ({"tolerance": 2}, ValueError, "tolerance is 2; it must be between 0 and 1"),
+        ({"axis": 2}, ValueError, "axis is 2; it must be 0 or 1"),
+        ({"bounds": (0, 0, -1, 1)}, ValueError, "bounds is"),
+        ({"bounds": (0, 0, 1, 1)}, ValueError, "shape 0 is larger"),
+        ({"bounds": [(0, 0, 9, 9)]}, ValueError, r"bounds has shape \(1, 4\)"),
+        ({"radii": [1, float("inf")]}, ValueError, r"radii\[1\] is inf"),
+        ({"max_rounds": -1}, ValueError, "max_rounds is -1"),
+        ({"threads": 0}, ValueError, "threads is 0"),
     ],
 )
-def test_bad_arguments(arguments, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+def test_bad_arguments(arguments, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
         jostle.separate([(0, 0), (1, 1)], **{"radii": 1.0, **arguments})
-
-
-def test_wrong_types() -> None:
-    with pytest.raises(TypeError, match="fixed must hold booleans"):
-        jostle.separate([(0, 0), (1, 1)], fixed=[1, 0])
-    with pytest.raises(TypeError, match="gap must be a number"):
-        jostle.separate([(0, 0)], gap="1")

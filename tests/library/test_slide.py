@@ -1,16 +1,16 @@
 """`Space.move_and_slide`: never inside, never through, no snagging, floors and platforms."""
 
-import copy
-import pickle
-
 import numpy as np
 import pytest
+from copies import WAYS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jostle
 
 WALL, WALKER, LEDGE = 1, 2, 4
+# Radius and half size of walkers, in units of their size.
+SHAPES = {"disc": (1.0, 0.0), "box": (0.0, 1.0), "rounded": (0.4, 0.6)}
 
 
 def pairs_of(space: jostle.Space, ids) -> set:
@@ -136,17 +136,13 @@ def test_nothing_leaves_a_room_at_any_speed(dtype: str, thickness: float) -> Non
 
 
 @pytest.mark.parametrize("size", [0.1, 1 / 3, 16.0])
-@pytest.mark.parametrize("shape", ["disc", "box", "rounded"])
+@pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
 def test_joints_of_tiles_do_not_stop_a_walker(size: float, shape: str, dtype: str) -> None:
     space = jostle.Space(dtype=dtype)
     edges = np.arange(201) * size
-    floor = np.stack([edges[:-1], 0 * edges[:-1], edges[1:], 0 * edges[:-1] + size], 1)
-    space.add(boxes=floor)
-    wall = floor[:, [1, 0, 3, 2]] * (-1, -1, -1, -1)
-    space.add(boxes=wall[:, [2, 3, 0, 1]])  # a wall at x = 0 that goes up, for the fall
-    radius = {"disc": 0.4, "box": 0.0, "rounded": 0.1}[shape] * size
-    half = {"disc": 0.0, "box": 0.4, "rounded": 0.3}[shape] * size
+    space.add(boxes=np.stack([edges[:-1], 0 * edges[:-1], edges[1:], 0 * edges[:-1] + size], 1))
+    radius, half = 0.4 * size * np.array(SHAPES[shape])
     walker = space.add((150 * size, -0.4 * size - size), radius, (half, half))
     space.move_and_slide(walker, (0, 3 * size))
     step = 0.37 * size
@@ -245,9 +241,6 @@ def test_moving_platforms_carry() -> None:
         assert not pairs_of(space, [walker])
     assert space.centers(walker)[0] == pytest.approx(19.5)  # the wall held it back
     assert wall not in space.move_and_slide(walker, (0, 0)).hits
-
-
-WAYS = [lambda space: pickle.loads(pickle.dumps(space)), copy.copy, copy.deepcopy]
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -791,10 +784,9 @@ def test_a_crowd_at_one_place() -> None:
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
-@pytest.mark.parametrize("shape", ["disc", "box", "rounded"])
+@pytest.mark.parametrize("shape", SHAPES)
 def test_slopes_are_climbed_up_to_the_floor_angle(shape: str, dtype: str) -> None:
-    radius = {"disc": 1.0, "box": 0.0, "rounded": 0.4}[shape]
-    half = {"disc": 0.0, "box": 1.0, "rounded": 0.6}[shape]
+    radius, half = SHAPES[shape]
     for degrees, climbs in ((20, True), (44.9, True), (45.1, False), (80, False)):
         angle = np.radians(degrees)
         space = jostle.Space(dtype=dtype)

@@ -1,14 +1,12 @@
 """`World.snapshot`, `restore`, `save` and `load`: a world in bytes and in files."""
 
-import copy
 import json
-import pickle
-import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from copies import WAYS
 from signals import lets_others_run
 
 import jostle
@@ -39,22 +37,21 @@ def assert_same(a: jostle.World, b: jostle.World) -> None:
         np.testing.assert_array_equal(one, other)
 
 
-def through_file(world: jostle.World, folder: Path) -> jostle.World:
-    world.save(folder / "a world")
-    return jostle.World.load(str(folder / "a world"))
+def through_file(world: jostle.World) -> jostle.World:
+    world.save(Path("a world"))
+    return jostle.World.load("a world")
 
 
-@pytest.mark.parametrize("way", ["snapshot", "file", "pickle", "copy", "deepcopy"])
-def test_a_restored_world_goes_on_to_the_bit(way: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "way", [lambda world: jostle.World.restore(world.snapshot()), through_file, *WAYS]
+)
+def test_a_restored_world_goes_on_to_the_bit(
+    way: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     world = pile()
     world.attachment = TEXT
-    again = {
-        "snapshot": lambda: jostle.World.restore(world.snapshot()),
-        "file": lambda: through_file(world, tmp_path),
-        "pickle": lambda: pickle.loads(pickle.dumps(world)),
-        "copy": lambda: copy.copy(world),
-        "deepcopy": lambda: copy.deepcopy(world),
-    }[way]()
+    again = way(world)
     assert again is not world
     assert again.attachment == TEXT
     assert_same(again, world)
@@ -109,20 +106,9 @@ def test_other_bytes_like_objects() -> None:
         assert jostle.World.restore(same).snapshot() == data
 
 
-@pytest.mark.parametrize(
-    ("data", "error", "message"),
-    [
-        ("words", TypeError, "data must be bytes, not str"),
-        (5, TypeError, "data must be bytes, not int"),
-        (b"", ValueError, "data is nothing; a snapshot has at least its head"),
-        (b"PNG and so on", ValueError, "data is 13 bytes of something else; it does not begin"),
-        (pile().snapshot()[:-5], ValueError, "data is a damaged snapshot; it is cut off"),
-        (pile().snapshot() + b"!", ValueError, "data is a damaged snapshot; its checksum is"),
-    ],
-    ids=["str", "int", "nothing", "foreign", "cut off", "longer"],
-)
-def test_other_bytes_are_refused(data: Any, error: type[Exception], message: str) -> None:
-    with pytest.raises(error, match=f"^{re.escape(message)}"):
+@pytest.mark.parametrize(("data", "kind"), [("words", "str"), (5, "int")])
+def test_what_is_no_bytes_is_refused(data: Any, kind: str) -> None:
+    with pytest.raises(TypeError, match=f"^data must be bytes, not {kind}"):
         jostle.World.restore(data)
 
 
@@ -137,8 +123,6 @@ def test_files_raise_what_python_raises(tmp_path: Path) -> None:
         pile().save(tmp_path)
     with pytest.raises(OSError, match="directory"):
         jostle.World.load(tmp_path)
-    with pytest.raises(TypeError):
-        pile().save(3)  # type: ignore[arg-type]
     assert [*tmp_path.iterdir()] == []
     assert [*tmp_path.parent.glob("*.part")] == []
 

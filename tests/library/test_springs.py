@@ -30,6 +30,12 @@ def lattice(columns: int, rows: int, x: float, y: float) -> tuple[Places, Pairs]
     return places, near_pairs(places, 4.5)
 
 
+def crates(at: list[tuple[float, float]]) -> tuple[Places, Pairs]:
+    """Crates of 16 discs, of which the first ones are there."""
+    places, pairs = zip(*(lattice(4, 4, x, y) for x, y in at), strict=True)
+    return np.concatenate(places), np.concatenate([own + 16 * n for n, own in enumerate(pairs)])
+
+
 def bodies() -> dict[str, tuple[Places, Pairs]]:
     """Bodies whose lowest discs of radius 1 touch the floor."""
     low = FLOOR - 1
@@ -77,9 +83,16 @@ def make(floor: str, places: Places, restitution: float, mass: float = 1) -> jos
         places = np.concatenate([places, below])
         movable += [False] * len(below)
     return jostle.World(
-        places, np.zeros_like(places), radii=1, masses=mass, movable=movable, gravity=(0, GRAVITY),
-        restitution=restitution, container=container, walls=walls,
-    )  # fmt: skip
+        places,
+        np.zeros_like(places),
+        radii=1,
+        masses=mass,
+        movable=movable,
+        gravity=(0, GRAVITY),
+        restitution=restitution,
+        container=container,
+        walls=walls,
+    )
 
 
 @pytest.mark.parametrize("name", bodies())
@@ -107,11 +120,7 @@ def test_a_body_at_rest_gains_no_energy(name: str, floor: str, restitution: floa
 def test_six_crates_stand_and_fall_asleep(stiffness: float) -> None:
     """Each disc of a lowest row lies between two of the crate below."""
     rise = math.sqrt(4 - 1.5**2)
-    crates = [
-        lattice(4, 4, 1.5 * (number % 2), FLOOR - 1 - number * (9 + rise)) for number in range(6)
-    ]
-    places = np.concatenate([own for own, _ in crates])
-    pairs = np.concatenate([own + 16 * number for number, (_, own) in enumerate(crates)])
+    places, pairs = crates([(1.5 * (n % 2), FLOOR - 1 - n * (9 + rise)) for n in range(6)])
     world = make("side", places, 0.2)
     world.forces = [springs(places, pairs, stiffness, 0.5 * math.sqrt(stiffness))]
     assert growth(world, 600) < 1e-3
@@ -169,11 +178,8 @@ def test_bodies_do_not_change_each_other() -> None:
 
 def test_threads_do_not_change_stiff_bodies() -> None:
     """The same bits with one thread and with several."""
-    crates = [
-        lattice(4, 4, 14.0 * (n % 30) - 200, FLOOR - 1 - 12.0 * (n // 30)) for n in range(400)
-    ]
-    places = np.concatenate([own for own, _ in crates])
-    pairs = np.concatenate([own + 16 * number for number, (_, own) in enumerate(crates)])
+    at = [(14.0 * (n % 30) - 200, FLOOR - 1 - 12.0 * (n // 30)) for n in range(400)]
+    places, pairs = crates(at)
     hashes = set()
     for threads in (1, 4):
         world = make("side", places, 0.5)

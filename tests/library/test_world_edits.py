@@ -24,12 +24,18 @@ def busy_world() -> jostle.World:
     rng = np.random.default_rng(3)
     grid = np.stack(np.meshgrid(np.arange(6), np.arange(5)), -1).reshape(-1, 2)
     world = jostle.World(
-        grid * 2.2 + (1, 1), rng.normal(size=(n, 2)), rng.uniform(0.5, 1, n),
-        restitution=rng.uniform(0.2, 0.6, n), friction=rng.uniform(0, 0.5, n),
-        angles=rng.uniform(-3, 3, n), angular_velocities=rng.normal(size=n),
-        categories=rng.integers(1, 9, n), masks=rng.integers(1, 99, n), gravity=(0, -9.8),
+        grid * 2.2 + (1, 1),
+        rng.normal(size=(n, 2)),
+        rng.uniform(0.5, 1, n),
+        restitution=rng.uniform(0.2, 0.6, n),
+        friction=rng.uniform(0, 0.5, n),
+        angles=rng.uniform(-3, 3, n),
+        angular_velocities=rng.normal(size=n),
+        categories=rng.integers(1, 9, n),
+        masks=rng.integers(1, 99, n),
+        gravity=(0, -9.8),
         container=jostle.Box(0, 0, 14, 30),
-    )  # fmt: skip
+    )
     world.set([4, 9], movable=False, velocities=0.0 * world.velocities[:2])
     world.set(11, sensors=True)
     world.remove([0, 17])

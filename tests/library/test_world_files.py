@@ -150,21 +150,24 @@ WHOLE = small().snapshot()
 @pytest.mark.parametrize(
     ("data", "sentence"),
     [
-        (b"", "holds nothing; a snapshot has at least its head"),
-        (WHOLE[:5], "holds a damaged snapshot; it is cut off: 5 of at least 28 bytes are there"),
-        (WHOLE[:20], "holds a damaged snapshot; it is cut off: 20 of at least 28 bytes are there"),
+        (b"", "nothing; a snapshot has at least its head"),
+        (WHOLE[:5], "a damaged snapshot; it is cut off: 5 of at least 28 bytes are there"),
+        (WHOLE[:20], "a damaged snapshot; it is cut off: 20 of at least 28 bytes are there"),
         (
             WHOLE[:-7],
-            "holds a damaged snapshot; it is cut off: "
+            "a damaged snapshot; it is cut off: "
             f"{len(WHOLE) - 7} of at least {len(WHOLE)} bytes are there",
         ),
-        (b"words", "holds 5 bytes of something else; it does not begin as a snapshot does"),
-        (WHOLE[:-1] + b"?", "holds a damaged snapshot; its checksum is wrong"),
+        (b"words", "5 bytes of something else; it does not begin as a snapshot does"),
+        (WHOLE[:-1] + b"?", "a damaged snapshot; its checksum is wrong"),
+        (WHOLE + b"!", "a damaged snapshot; its checksum is wrong"),
     ],
-    ids=["empty", "in the magic", "in the head", "in the body", "foreign", "changed"],
+    ids=["empty", "in the magic", "in the head", "in the body", "foreign", "changed", "longer"],
 )
 def test_what_is_wrong_with_a_file_names_the_file(data: bytes, sentence: str, tmp_path) -> None:
     path = tmp_path / "a world"
     path.write_bytes(data)
-    with pytest.raises(ValueError, match=f"^{re.escape(f'{path} {sentence}')}$"):
+    with pytest.raises(ValueError, match=f"^{re.escape(f'{path} holds {sentence}')}$"):
         jostle.World.load(path)
+    with pytest.raises(ValueError, match=f"^{re.escape(f'data is {sentence}')}$"):
+        jostle.World.restore(data)

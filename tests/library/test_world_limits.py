@@ -124,13 +124,20 @@ def worlds(draw: st.DrawFn) -> jostle.World:
         )
     )
     return jostle.World(
-        vectors(), vectors(), column(sizes), masses=column(positive.filter(lambda m: m <= 1e30)),
+        vectors(),
+        vectors(),
+        column(sizes),
+        masses=column(positive.filter(lambda m: m <= 1e30)),
         movable=draw(st.lists(st.booleans(), min_size=n, max_size=n)),
-        gravity=(draw(numbers), draw(numbers)), drag=draw(sizes),
-        restitution=column(shares) if draw(st.booleans()) else draw(shares), container=container,
-        forces=draw(forces(n)), on_touch=draw(st.sampled_from(["bounce", "merge", "ignore"])),
-        substeps=draw(st.integers(1, 4)), threads=1,
-    )  # fmt: skip
+        gravity=(draw(numbers), draw(numbers)),
+        drag=draw(sizes),
+        restitution=column(shares) if draw(st.booleans()) else draw(shares),
+        container=container,
+        forces=draw(forces(n)),
+        on_touch=draw(st.sampled_from(["bounce", "merge", "ignore"])),
+        substeps=draw(st.integers(1, 4)),
+        threads=1,
+    )
 
 
 @settings(max_examples=40, deadline=None)

@@ -40,16 +40,21 @@ def force(r: Floats) -> Floats:
     return np.where(r < CUTOFF, 24 * (2 * r**-13.0 - r**-7.0), 0.0)
 
 
+def sites(count: int, side: float) -> Floats:
+    """Return places on a square lattice, as far from each other at the sides of the torus."""
+    across = math.isqrt(count)
+    grid = np.stack(np.meshgrid(range(across), range(across)), 2).reshape(-1, 2)
+    return (grid + 0.5) * side / across
+
+
 def frames(
     count: int, density: float, number: int, *, settle: int, every: int, seed: int
 ) -> Iterator[Floats]:
     """Yield positions of a fluid at kT = 1 in a heat bath, at times far apart."""
-    across = math.isqrt(count)
     side = math.sqrt(count / density)
-    sites = (np.stack(np.meshgrid(range(across), range(across)), 2).reshape(-1, 2) + 0.5) / across
     pair = jostle.PairForce.lennard_jones(np.zeros(count, int), 1.0, 1.0, CUTOFF)
     world = jostle.World(
-        sites * side,
+        sites(count, side),
         np.random.default_rng(seed).normal(0, 1, (count, 2)),
         0.1,
         masses=1.0,
@@ -63,22 +68,27 @@ def frames(
         yield world.positions.astype(float)
 
 
-def distances(positions: Floats, side: float, reach: float) -> Floats:
-    """Return the distances of all pairs up to `reach`, by SciPy."""
+def near_pairs(positions: Floats, side: float, reach: float) -> tuple[NDArray[np.intp], Floats]:
+    """Return the pairs up to `reach` apart, by SciPy, and the ways from the second to the first."""
     places = positions % side
     places[places >= side] = 0
     pairs = cKDTree(places, boxsize=side).query_pairs(reach, output_type="ndarray")
     offset = places[pairs[:, 0]] - places[pairs[:, 1]]
-    offset -= side * np.round(offset / side)
-    return np.sqrt((offset**2).sum(axis=1))
+    return pairs, offset - side * np.round(offset / side)
 
 
-def radial_distribution(all_distances: list[Floats], count: int, density: float) -> Floats:
+def distances(positions: Floats, side: float, reach: float) -> Floats:
+    """Return the distances of all pairs up to `reach`."""
+    return np.hypot(*near_pairs(positions, side, reach)[1].T)
+
+
+def radial_distribution(
+    all_distances: list[Floats], count: int, side: float, bins: Floats = BINS
+) -> Floats:
     """Return g(r) of each frame, shape (frames, bins)."""
-    rings = np.pi * (BINS[1:] ** 2 - BINS[:-1] ** 2)
-    # Each particle has count - 1 others.
-    ideal = count / 2 * density * (count - 1) / count * rings
-    return np.array([np.histogram(found, BINS)[0] for found in all_distances]) / ideal
+    rings = np.pi * (bins[1:] ** 2 - bins[:-1] ** 2)
+    ideal = count * (count - 1) / 2 / side**2 * rings
+    return np.array([np.histogram(found, bins)[0] for found in all_distances]) / ideal
 
 
 def mean_and_error(values: Floats) -> tuple[float, float]:
@@ -92,7 +102,7 @@ def test_g_of_a_lennard_jones_fluid_is_that_of_lammps() -> None:
     count, density = 784, 0.6
     side = math.sqrt(count / density)
     places = frames(count, density, 200, settle=1500, every=40, seed=1)
-    g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
+    g = radial_distribution([distances(p, side, REACH) for p in places], count, side)
     rings = np.pi * (BINS[1:] ** 2 - BINS[:-1] ** 2) * density * (count - 1) / count
     neighbors = g @ rings
     energy = g @ (rings * potential(MIDDLES)) / 2
@@ -109,6 +119,55 @@ def test_g_of_a_lennard_jones_fluid_is_that_of_lammps() -> None:
     assert 1.08 < MIDDLES[:750].reshape(-1, 10).mean(axis=1)[peak.argmax()] < 1.16
 
 
+def forces_on(positions: Floats, side: float) -> Floats:
+    """Return the forces of the truncated potential."""
+    pairs, offset = near_pairs(positions, side, CUTOFF)
+    r = np.hypot(*offset.T)
+    found = np.zeros_like(positions)
+    np.add.at(found, pairs[:, 0], offset * (force(r) / r)[:, None])
+    np.subtract.at(found, pairs[:, 1], offset * (force(r) / r)[:, None])
+    return found
+
+
+@pytest.mark.slow
+def test_a_fluid_has_the_structure_of_an_independent_simulation() -> None:
+    """g(r) at the density 0.6 and a temperature near 1, beside velocity Verlet in NumPy."""
+    n, dt = 144, 0.005
+    side = math.sqrt(n / 0.6)
+    velocities = np.random.default_rng(4).normal(0, 1.2, (n, 2))
+    velocities -= velocities.mean(axis=0)
+    positions = sites(n, side)
+    world = jostle.World(
+        positions,
+        velocities,
+        0.1,
+        masses=1.0,
+        container=jostle.Torus(side, side),
+        on_touch="ignore",
+        forces=[jostle.PairForce.lennard_jones(np.zeros(n, int), 1.0, 1.0, CUTOFF)],
+    )
+    pull = forces_on(positions, side)
+    ours, theirs, heat = [], [], np.zeros(2)
+    for frame in range(500):
+        world.step(dt, steps=20)
+        for _ in range(20):
+            velocities += dt / 2 * pull
+            positions += dt * velocities
+            pull = forces_on(positions, side)
+            velocities += dt / 2 * pull
+        if frame >= 100:
+            ours.append(distances(world.positions.astype(float), side, 3.0))
+            theirs.append(distances(positions, side, 3.0))
+            heat += world.kinetic_energy / n, 0.5 * (velocities**2).sum() / n
+    bins = np.linspace(0.8, 3.0, 34)
+    g, expected = (
+        radial_distribution(found, n, side, bins).mean(axis=0) for found in (ours, theirs)
+    )
+    assert abs(heat[0] / heat[1] - 1) < 0.02
+    assert 1.0 < bins[g.argmax()] < 1.2 and g.max() > 1.8
+    assert np.abs(g - expected).max() < 0.08
+
+
 @pytest.mark.slow
 def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
     """g = exp(-u) (1 + n h), h the integral over a third particle of both Mayer functions.
@@ -119,7 +178,7 @@ def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
     count, density = 900, 0.03
     side = math.sqrt(count / density)
     places = frames(count, density, 150, settle=4000, every=80, seed=2)
-    g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
+    g = radial_distribution([distances(p, side, REACH) for p in places], count, side)
     step = 0.04
     grid = (np.arange(-170, 170) + 0.5) * step
     x, y = np.meshgrid(grid, grid)
@@ -145,9 +204,8 @@ def test_hard_discs_have_hendersons_value_at_contact(eta: float) -> None:
     count, radius = 1600, 1.0
     side = math.sqrt(count * math.pi / eta)
     rng = np.random.default_rng(3)
-    sites = (np.stack(np.meshgrid(range(40), range(40)), 2).reshape(-1, 2) + 0.5) * side / 40
     world = jostle.World(
-        sites,
+        sites(count, side),
         rng.normal(0, 1, (count, 2)),
         radius,
         container=jostle.Torus(side, side),
@@ -159,9 +217,7 @@ def test_hard_discs_have_hendersons_value_at_contact(eta: float) -> None:
         world.step(0.5, steps=4)
         found.append(distances(world.positions.astype(float), side, 2.4))
     edges = np.linspace(2.0, 2.4, 9)
-    rings = np.pi * (edges[1:] ** 2 - edges[:-1] ** 2)
-    ideal = count / 2 * (count - 1) / side**2 * rings
-    g = np.array([np.histogram(one, edges)[0] for one in found]) / ideal
+    g = radial_distribution(found, count, side, edges)
     # A parabola through the logarithms, extrapolated to contact.
     middles = (edges[1:] + edges[:-1]) / 2 - 2
     blocks = np.log(g.reshape(10, -1, 8).mean(axis=1))
