@@ -312,7 +312,7 @@ impl PyWorld {
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
         let id = one_id(id, "np.isin(ids, world.ids) tests many")?;
-        id.map_or(Ok(false), |id| Ok(self.state(py)?.world.contains(id)))
+        id.map_or(Ok(false), |id| Ok(self.state(py)?.world.bodies().contains(id)))
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {

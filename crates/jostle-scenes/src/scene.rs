@@ -1,5 +1,6 @@
 //! A scene: its name, and the world that it makes.
 
+use jostle_world::ranks;
 use std::ops::Range;
 
 use super::random::Random;
@@ -54,8 +55,8 @@ impl Scene {
             return self.create_rows(count, seed, part(count));
         }
         let whole = self.create(Some(count), seed)?;
-        whole.check_distributable()?;
-        whole.part(part(whole.len()))
+        ranks::check_distributable(&whole)?;
+        ranks::part(&whole, part(whole.len()))
     }
 
     fn create_rows(&self, count: usize, seed: u64, rows: Range<usize>) -> Result<World> {

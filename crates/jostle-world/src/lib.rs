@@ -25,6 +25,6 @@ pub use particles::{Changes, Particles, Spin};
 pub use ranks::{Communicator, OwnParticles, Traffic};
 pub use walls::Wall;
 pub use world::{
-    Collisions, Defaults, OnTouch, Stage, StateHash, Stats, Touch, TouchEvents, WallTouch, World,
-    WorldSettings,
+    Bodies, Collisions, Defaults, OnTouch, Stage, StateHash, Stats, Touch, TouchEvents, WallTouch,
+    World, WorldSettings,
 };

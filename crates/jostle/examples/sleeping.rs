@@ -68,7 +68,7 @@ fn world(mut centers: Vec<[f32; 2]>, width: f32) -> World {
 }
 
 fn measure(mut world: World, count: usize) {
-    let asleep = |world: &World| world.asleep().iter().filter(|&&asleep| asleep).count();
+    let asleep = |world: &World| world.bodies().asleep().iter().filter(|&&asleep| asleep).count();
     let seconds = time(&mut world, 1);
     println!("  awake: {:9.1} ns a disc and step", per_disc(seconds, count));
     let mut steps = 1;

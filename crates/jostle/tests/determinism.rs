@@ -126,12 +126,15 @@ fn friction_does_not_show_how_it_is_computed() {
         }
         let straight = make_rough(name, 1000);
         let order = shuffled(straight.len(), 9);
-        let particles = gathered(&straight.particles(), &order);
+        let particles = gathered(&straight.bodies().particles(), &order);
         let mut mixed_up = walled(particles, straight.walls().to_vec(), *straight.settings());
         mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut mixed_up, 40);
-        let particles = gathered(&expected.particles(), &order);
-        assert!(mixed_up.particles() == particles, "{name} depends on the order of adding");
+        let particles = gathered(&expected.bodies().particles(), &order);
+        assert!(
+            mixed_up.bodies().particles() == particles,
+            "{name} depends on the order of adding"
+        );
         let mut half = make_rough(name, 1000);
         run(&mut half, 20);
         let mut half = World::restore(&half.snapshot()).expect("it can be restored");
@@ -342,19 +345,19 @@ fn a_permutation_permutes_and_changes_nothing_else() {
     for scene in &SCENES {
         let mut straight = make(scene, 500);
         let order = shuffled(straight.len(), 9);
-        let particles = gathered(&straight.particles(), &order);
+        let particles = gathered(&straight.bodies().particles(), &order);
         let mut mixed_up = walled(particles, straight.walls().to_vec(), *straight.settings());
         mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut straight, 80);
         run(&mut mixed_up, 80);
         if straight.len() == order.len() {
-            let expected = gathered(&straight.particles(), &order);
-            let same = mixed_up.particles() == expected;
+            let expected = gathered(&straight.bodies().particles(), &order);
+            let same = mixed_up.bodies().particles() == expected;
             assert!(same, "{} depends on the order of adding", scene.name);
         } else {
             // Where particles merge, rows close up.
             let sorted = |world: &World| {
-                let mut all = world.positions();
+                let mut all = world.bodies().positions();
                 all.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
                 all
             };

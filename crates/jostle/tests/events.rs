@@ -62,7 +62,8 @@ fn all_settings(side: f32) -> Vec<WorldSettings> {
 /// The pairs of ids whose surfaces have at most the gap at which they touch, and those that clearly
 /// touch: with at most a share of that gap.
 pub fn touching_by_brute_force(world: &World, surely: f64) -> [Pairs; 2] {
-    let (all, ids, container) = (world.particles(), world.ids(), world.settings().container);
+    let (all, ids, container) =
+        (world.bodies().particles(), world.bodies().ids(), world.settings().container);
     let mut found = [Pairs::new(), Pairs::new()];
     let exact =
         |row: usize, k: usize| f64::from(all.positions[row][k]) + f64::from(all.residuals[row][k]);
@@ -128,7 +129,7 @@ fn follow(world: &mut World, before: &Pairs, steps: usize, seen: &mut Seen) -> P
     let [entered, stayed, left] = [entered, stayed, left].map(|pairs| set(&pairs));
     let now: Pairs = entered.difference(&left).chain(&stayed).copied().collect();
     if steps == 0 {
-        let lasting = |pair: &&[Id; 2]| pair.iter().all(|&id| world.contains(id));
+        let lasting = |pair: &&[Id; 2]| pair.iter().all(|&id| world.bodies().contains(id));
         assert_eq!(now, before.iter().filter(lasting).copied().collect());
         return now;
     }
@@ -179,7 +180,7 @@ fn events_are_those_of_a_model() {
             for _ in 0..12 {
                 let steps = random.between(0.0, 6.0) as usize;
                 before = follow(&mut world, &before, steps, &mut seen);
-                let ids = world.ids();
+                let ids = world.bodies().ids();
                 let one = ids[random.between(0.0, ids.len() as f32) as usize];
                 world.remove(&[one]).expect("it exists");
                 world.add(crowd(1, 12.0, one as u64)).expect("it fits");
@@ -311,7 +312,7 @@ fn sleeping_pairs_stay_until_something_parts_them() {
         assert!(entered.is_empty() && left.is_empty(), "{entered:?} {left:?}");
         assert_eq!(set(&stayed), touching);
     }
-    assert!(world.asleep().iter().all(|&asleep| asleep));
+    assert!(world.bodies().asleep().iter().all(|&asleep| asleep));
     world
         .edit_rows(&[8], |all| {
             all.velocities[0] = [0.0, 9.0];
@@ -330,10 +331,10 @@ fn sleeping_pairs_stay_until_something_parts_them() {
 fn pairs_that_touch_asleep_are_found_when_tracking_begins() {
     let mut world = pile(false);
     call(&mut world, 60);
-    assert!(world.asleep().iter().all(|&asleep| asleep));
+    assert!(world.bodies().asleep().iter().all(|&asleep| asleep));
     assert_eq!(world.events(), None);
     world.configure(tracked(*world.settings())).expect("valid");
-    assert!(world.asleep().iter().all(|&asleep| asleep), "tracking wakes nothing");
+    assert!(world.bodies().asleep().iter().all(|&asleep| asleep), "tracking wakes nothing");
     call(&mut world, 1);
     assert_eq!(events(&world).entered.len(), 8);
     world.configure(WorldSettings { track_events: false, ..*world.settings() }).expect("valid");
@@ -478,7 +479,7 @@ fn sensors_change_no_motion() {
     for world in [&mut alone, &mut both] {
         call(world, 60);
     }
-    let (expected, found) = (alone.particles(), both.particles());
+    let (expected, found) = (alone.bodies().particles(), both.bodies().particles());
     for (a, b) in expected.positions.iter().zip(&found.positions) {
         assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-3), "{a:?} {b:?}");
     }
@@ -506,7 +507,7 @@ fn contacts_tell_what_touches_a_sensor() {
         let contacts = world.contacts().expect("few");
         assert_eq!(contacts.iter().map(|touch| touch.pair).collect::<Vec<_>>(), [[0, 1]]);
         assert_eq!((contacts[0].normal_impulse, contacts[0].normal), (0.0, [1.0, 0.0]));
-        assert_eq!((world.len(), world.velocities()[1]), (3, [0.5, 0.0]));
+        assert_eq!((world.len(), world.bodies().velocities()[1]), (3, [0.5, 0.0]));
         assert_eq!(events(&world).entered, [[0, 1]]);
     }
 }
@@ -526,9 +527,12 @@ fn a_sensor_over_a_pile_lets_it_sleep_unless_it_moves() {
             touching = [entered, stayed].concat();
         }
         assert_eq!(touching.iter().filter(|pair| pair[1] == id).count(), 6);
-        let asleep = world.asleep().iter().filter(|&&asleep| asleep).count();
+        let asleep = world.bodies().asleep().iter().filter(|&&asleep| asleep).count();
         assert_eq!(asleep, if speed == 0.0 { 12 } else { 6 });
         let copy = World::restore(&world.snapshot()).expect("it was saved");
-        assert_eq!((copy.sensors(), events(&copy)), (world.sensors(), events(&world)));
+        assert_eq!(
+            (copy.bodies().sensors(), events(&copy)),
+            (world.bodies().sensors(), events(&world))
+        );
     }
 }

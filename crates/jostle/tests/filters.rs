@@ -60,7 +60,7 @@ fn together_and_alone(kinds: [Particles; 2], settings: WorldSettings) -> (World,
 
 /// Positions, residuals, velocities and rotations of some rows.
 fn motion(world: &World, first: usize, len: usize) -> String {
-    let Particles { positions, residuals, velocities, spins, .. } = world.particles();
+    let Particles { positions, residuals, velocities, spins, .. } = world.bodies().particles();
     let rows = first..first + len;
     let spins = spins.get(rows.clone());
     format!(
@@ -97,7 +97,7 @@ fn compare(kinds: [Particles; 2], settings: WorldSettings, name: &str) -> [usize
             found[kind] += world.contacts().unwrap().len();
             first += world.len();
         }
-        let pairs = overlaps(&both.particles());
+        let pairs = overlaps(&both.bodies().particles());
         let half = alone[0].len();
         found[2] += pairs.iter().filter(|[i, j]| *i < half && *j >= half).count();
     }
@@ -161,7 +161,7 @@ fn only_pairs_that_may_touch_do() {
         let mut found = 0;
         for _ in 0..100 {
             run(&mut world, 1);
-            let filters = world.filters();
+            let filters = world.bodies().filters();
             for Touch { pair, .. } in world.contacts().unwrap() {
                 let [a, b] = pair.map(|row| filters[row as usize]);
                 assert!(may_touch(a, b), "{a:?} {b:?}");
@@ -229,21 +229,27 @@ fn filters_do_not_show_how_pairs_are_found() {
             let brute = WorldSettings { method: Method::Brute, ..settings };
             let mut other = world_of(all.clone(), brute);
             run(&mut other, 60);
-            let same = other.particles() == expected.particles();
+            let same = other.bodies().particles() == expected.bodies().particles();
             assert!(same, "{on_touch:?} {container:?}: brute force");
             let mut half = world_of(all.clone(), settings);
             run(&mut half, 30);
             let mut half = World::restore(&half.snapshot()).unwrap();
             run(&mut half, 30);
-            assert!(half.particles() == expected.particles(), "{on_touch:?}: a snapshot");
+            assert!(
+                half.bodies().particles() == expected.bodies().particles(),
+                "{on_touch:?}: a snapshot"
+            );
             assert_eq!(half.snapshot(), expected.snapshot());
             let order = shuffled(all.len(), 9);
             let particles = gathered(&all, &order);
             let mut other = world_of(particles, settings);
             run(&mut other, 60);
             if on_touch == OnTouch::Bounce {
-                let permuted = gathered(&expected.particles(), &order);
-                assert!(other.particles() == permuted, "{container:?}: the order of adding");
+                let permuted = gathered(&expected.bodies().particles(), &order);
+                assert!(
+                    other.bodies().particles() == permuted,
+                    "{container:?}: the order of adding"
+                );
             } else {
                 // Where particles merge, rows close up.
                 assert!(other.len() == expected.len() && other.len() < all.len());
@@ -280,7 +286,8 @@ fn coincident_particles_are_ordered_by_their_filters() {
         all.filters = order.map(|at| filters[at]).to_vec();
         let mut world = world_of(all, WorldSettings::default());
         run(&mut world, 20);
-        let mut all: Vec<_> = world.filters().into_iter().zip(world.positions()).collect();
+        let mut all: Vec<_> =
+            world.bodies().filters().into_iter().zip(world.bodies().positions()).collect();
         all.sort_by_key(|&(filter, _)| filter);
         all
     };
@@ -299,10 +306,10 @@ fn without_filters_nothing_is_stored() {
     assert_eq!(bytes(all.clone()), plain, "defaults are not stored");
     all.filters_mut()[7].mask = 5;
     let mut world = world_of(all, WorldSettings::default());
-    assert_eq!(world.particles().filters.len(), 52);
+    assert_eq!(world.bodies().particles().filters.len(), 52);
     assert_ne!(world.state_hash(), World::restore(&plain).unwrap().state_hash());
     world.remove(&[7]).unwrap();
-    assert!(world.particles().filters.is_empty());
+    assert!(world.bodies().particles().filters.is_empty());
 }
 
 /// Discs on a floor: rocks at the same places as ghosts.
@@ -316,7 +323,7 @@ fn resting() -> World {
         WorldSettings { gravity: [0.0, -9.8], restitution: 0.3, container, ..Default::default() };
     let mut world = world_of(all, settings);
     run(&mut world, 90);
-    assert_eq!(world.asleep(), [true; 6]);
+    assert_eq!(world.bodies().asleep(), [true; 6]);
     world
 }
 
@@ -328,10 +335,10 @@ fn sleeping_particles_wake_only_for_what_they_may_touch() {
     world.add(ball.clone()).unwrap();
     let mut half = World::restore(&world.snapshot()).unwrap();
     run(&mut world, 120);
-    let asleep = world.asleep();
+    let asleep = world.bodies().asleep();
     assert_eq!(asleep[..3], [true; 3], "rocks");
     assert!(!asleep[4], "a ghost that was hit");
-    assert_eq!(world.positions()[..3], resting().positions()[..3]);
+    assert_eq!(world.bodies().positions()[..3], resting().bodies().positions()[..3]);
     run(&mut half, 120);
     assert_eq!(half.state_hash(), world.state_hash());
     // A ball of both kinds wakes both.
@@ -340,7 +347,9 @@ fn sleeping_particles_wake_only_for_what_they_may_touch() {
     world.add(ball.clone()).unwrap();
     run(&mut world, 120);
     assert!(
-        world.positions()[..6].iter().all(|[x, _]| !(-2.0..=2.0).contains(x) || *x != x.round())
+        world.bodies().positions()[..6]
+            .iter()
+            .all(|[x, _]| !(-2.0..=2.0).contains(x) || *x != x.round())
     );
     // One that leaves its bounds, because it is hit during the step.
     ball.filters = vec![ROCK];
@@ -352,8 +361,12 @@ fn sleeping_particles_wake_only_for_what_they_may_touch() {
     world.add(ball).unwrap();
     world.add(shot).unwrap();
     run(&mut world, 3);
-    assert_eq!(world.asleep()[3..6], [true; 3], "ghosts");
-    assert!(world.positions()[2][0] > 3.0, "a rock was hit: {:?}", world.positions());
+    assert_eq!(world.bodies().asleep()[3..6], [true; 3], "ghosts");
+    assert!(
+        world.bodies().positions()[2][0] > 3.0,
+        "a rock was hit: {:?}",
+        world.bodies().positions()
+    );
 }
 
 #[test]
@@ -367,11 +380,11 @@ fn changed_filters_wake_and_count() {
         world.edit(change).unwrap();
     };
     set(&mut world, 0, GHOST);
-    let asleep = world.asleep();
+    let asleep = world.bodies().asleep();
     assert!(!asleep[0] && asleep[3..] == [true; 3]);
     // The rock is a ghost now, in the place of another.
     run(&mut world, 30);
-    let [a, b] = [world.positions()[0], world.positions()[3]];
+    let [a, b] = [world.bodies().positions()[0], world.bodies().positions()[3]];
     let [x, y] = [0, 1].map(|k| b[k] - a[k]);
     assert!(x.hypot(y) > 1.9, "{a:?} {b:?}");
 }
@@ -386,8 +399,8 @@ fn merging_follows_filters() {
     let mut world = world_of(all, settings);
     run(&mut world, 1);
     // The last two merge; what they are together touches the first.
-    assert_eq!(world.filters(), [Filter { category: 5, mask: 5 }, GHOST]);
-    assert_eq!(world.masses(), [3.0, 1.0]);
+    assert_eq!(world.bodies().filters(), [Filter { category: 5, mask: 5 }, GHOST]);
+    assert_eq!(world.bodies().masses(), [3.0, 1.0]);
 }
 
 #[test]
@@ -421,5 +434,7 @@ fn forged_filters_make_a_world_or_a_sentence() {
     assert!(forged(&|bytes| bytes[flag] = 0).is_err());
     assert!(forged(&|bytes| bytes.truncate(flag + 10)).is_err());
     let other = forged(&|bytes| bytes[at] = 7).expect("every filter is possible");
-    assert!(other.filters().contains(&Filter { category: 0xabcd_ef07, mask: 0x1234_5678 }));
+    assert!(
+        other.bodies().filters().contains(&Filter { category: 0xabcd_ef07, mask: 0x1234_5678 })
+    );
 }

@@ -205,7 +205,7 @@ fn orbit_error(softer: f32, angle: f32) -> f64 {
     let steps = 250 * 100; // of four sub-steps
     run_for(&mut world, 100.0 * period / steps as f64, steps);
     assert!(world.momentum().iter().all(|p| p.abs() < 1e-4), "{:?}", world.momentum());
-    distance(world.positions()[1], start[1]) / axis
+    distance(world.bodies().positions()[1], start[1]) / axis
 }
 
 #[test]
@@ -259,9 +259,17 @@ fn a_harmonic_attractor_swings_with_its_period() {
     let mut world =
         forced(bodies, vec![attractor(pole, 4.0, Law::Harmonic)], WorldSettings::default());
     run_for(&mut world, PI / 2.0 / 100.0, 100); // half a period of 2π / √4
-    assert!(distance(world.positions()[0], [-1.0, 1.0]) < 1e-3, "{:?}", world.positions());
+    assert!(
+        distance(world.bodies().positions()[0], [-1.0, 1.0]) < 1e-3,
+        "{:?}",
+        world.bodies().positions()
+    );
     run_for(&mut world, PI / 2.0 / 100.0, 100);
-    assert!(distance(world.positions()[0], [3.0, 1.0]) < 1e-3, "{:?}", world.positions());
+    assert!(
+        distance(world.bodies().positions()[0], [3.0, 1.0]) < 1e-3,
+        "{:?}",
+        world.bodies().positions()
+    );
 }
 
 #[test]
@@ -271,7 +279,11 @@ fn an_inverse_square_attractor_holds_an_orbit() {
     let forces = vec![attractor(pole, 2.0, Law::InverseSquare)];
     let mut world = forced(bodies, forces, WorldSettings::default());
     run_for(&mut world, 4.0 * PI / 200.0, 200 * 10);
-    assert!(distance(world.positions()[0], [2.0, 0.0]) < 0.02, "{:?}", world.positions());
+    assert!(
+        distance(world.bodies().positions()[0], [2.0, 0.0]) < 0.02,
+        "{:?}",
+        world.bodies().positions()
+    );
 }
 
 #[test]
@@ -282,7 +294,11 @@ fn nothing_is_flung_out_of_an_inverse_square_attractor() {
     let mut world = forced(bodies, forces, WorldSettings::default());
     for _ in 0..500 {
         run_for(&mut world, 0.01, 1);
-        assert!(distance(world.positions()[0], [0.0, 0.0]) < 1.05, "{:?}", world.positions());
+        assert!(
+            distance(world.bodies().positions()[0], [0.0, 0.0]) < 1.05,
+            "{:?}",
+            world.bodies().positions()
+        );
     }
 }
 
@@ -307,7 +323,7 @@ fn an_attractor_follows_its_particle_and_goes_with_it() {
     world.remove(&[2]).expect("it is there");
     assert_eq!(world.forces(), &poles[..1]);
     run_for(&mut world, 0.5, 2);
-    assert_eq!(world.positions(), [[1.0, 0.0]]); // its own attractor does not move it
+    assert_eq!(world.bodies().positions(), [[1.0, 0.0]]); // its own attractor does not move it
 }
 
 // ---- springs -------------------------------------------------------------------------------------
@@ -315,10 +331,10 @@ fn an_attractor_follows_its_particle_and_goes_with_it() {
 /// Seconds between the first two upward crossings of `middle` by the end's x.
 fn period(world: &mut World, row: usize, middle: f32, dt: f64) -> f64 {
     let mut crossings = Vec::new();
-    let mut last = world.positions()[row][0];
+    let mut last = world.bodies().positions()[row][0];
     while crossings.len() < 11 {
         run_for(world, dt, 1);
-        let now = world.positions()[row][0];
+        let now = world.bodies().positions()[row][0];
         if last < middle && now >= middle {
             crossings.push(world.time() - dt * f64::from((now - middle) / (now - last)));
         }
@@ -370,7 +386,7 @@ fn stiff_springs_stay_bounded() {
         assert!(world.kinetic_energy() < energy, "{stiffness}: {}", world.kinetic_energy());
         let momentum = world.momentum();
         assert!((momentum[0] - 30.0).abs() < 0.01 && (momentum[1] - 10.0).abs() < 0.01);
-        let [a, b] = [world.positions()[0], world.positions()[99]];
+        let [a, b] = [world.bodies().positions()[0], world.bodies().positions()[99]];
         assert!(distance(a, b) < 40.0, "{stiffness}: {a:?} {b:?}");
     }
 }
@@ -390,7 +406,7 @@ fn a_spring_breaks_where_it_is_stretched_too_far() {
             world.forces(),
             [Influence::Springs(Springs(if breaks { vec![] } else { vec![tie] }))]
         );
-        assert_eq!(world.positions()[1][0] > 2.0, breaks);
+        assert_eq!(world.bodies().positions()[1][0] > 2.0, breaks);
     }
 }
 
@@ -435,7 +451,7 @@ fn springs_reach_over_the_seam_of_a_torus() {
     let tie = Spring { damping: 2.0, ..spring([0, 1], 1.0, 5.0) };
     let mut world = forced(bodies, vec![Influence::Springs(Springs(vec![tie]))], settings);
     run_for(&mut world, 0.05, 400);
-    let [a, b] = [world.positions()[0], world.positions()[1]];
+    let [a, b] = [world.bodies().positions()[0], world.bodies().positions()[1]];
     assert!((a[0] - 0.5).abs() < 1e-3 && (b[0] - 9.5).abs() < 1e-3, "{a:?} {b:?}");
 }
 
@@ -459,12 +475,12 @@ fn a_thermostat_reaches_its_speed() {
         let alone = particles(vec![[0.0, 0.0]], vec![[0.3, 0.1]], vec![1.0]);
         let mut world = forced(alone, forces.clone(), settings);
         run_for(&mut world, 0.1, 10_000);
-        let [x, y] = world.velocities()[0].map(f64::from);
+        let [x, y] = world.bodies().velocities()[0].map(f64::from);
         let speed = (x * x + y * y).sqrt();
         assert!((speed - 3.0).abs() < 1e-3, "{speed} in {container:?}");
         let mut gas = forced(gas(200), forces, settings);
         run_for(&mut gas, 0.05, 4000);
-        let mass: f32 = gas.masses().iter().sum();
+        let mass: f32 = gas.bodies().masses().iter().sum();
         let speed = (2.0 * gas.kinetic_energy() / f64::from(mass)).sqrt();
         println!("a gas has the speed {speed:.3} in {container:?}");
         assert!((2.0..4.5).contains(&speed), "{speed} in {container:?}");
@@ -646,7 +662,7 @@ fn the_order_of_adding_does_not_show() {
             forced(shuffled, all_forces(count as u32, |i| row_of[i as usize]), settings);
         run_for(&mut first, 0.01, 10);
         run_for(&mut second, 0.01, 10);
-        let (first, second) = (first.particles(), second.particles());
+        let (first, second) = (first.bodies().particles(), second.bodies().particles());
         let back = gathered(&second, &row_of);
         assert!(back == first, "{count} in {container:?}");
     }
@@ -665,7 +681,7 @@ fn many_steps_in_one_call_are_the_same() {
 fn forces_can_be_taken_away() {
     let mut world = forced(crowd(500), all_forces(500, |i| i), WorldSettings::default());
     run_for(&mut world, 0.01, 5);
-    let mut without = world_of(world.particles(), *world.settings());
+    let mut without = world_of(world.bodies().particles(), *world.settings());
     world.set_forces(Vec::new()).expect("none is fine");
     run_for(&mut world, 0.01, 1);
     run_for(&mut without, 0.01, 1);
@@ -706,7 +722,7 @@ fn a_step_too_long_for_the_forces_is_refused() {
         let mut world = forced(bodies.clone(), vec![force], WorldSettings::default());
         let error = world.step(1e20, 1).expect_err("too long").to_string();
         assert!(error.contains("forces would move particle "), "{error}");
-        assert_eq!(world.positions(), bodies.positions);
+        assert_eq!(world.bodies().positions(), bodies.positions);
         run_for(&mut world, 0.01, 1);
     }
 }

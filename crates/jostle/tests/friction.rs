@@ -76,7 +76,7 @@ fn oblique_bounces_stick_or_slide() {
             restitution: between(0.0, 1.0),
         };
         let (world, expected) = (two.simulated(), two.analytic());
-        let found = world.particles();
+        let found = world.bodies().particles();
         for (which, expected) in expected.into_iter().enumerate() {
             let [u, v] = found.velocities[which].map(f64::from);
             let turning = f64::from(found.spin(which).velocity);
@@ -104,7 +104,7 @@ fn a_ball_that_bounces_on_a_floor_gets_spin() {
         let container = boxed([-50.0, 0.0], [50.0, 50.0]);
         let mut world = world_of(all, inside(container));
         run_for(&mut world, 1.5, 1);
-        let Particles { velocities, spins, .. } = world.particles();
+        let Particles { velocities, spins, .. } = world.bodies().particles();
         // The impulse along the normal is 4 for a mass of 1.
         let along = if is_sticking { -2.0 / 3.0 } else { -4.0 * friction };
         let expected = [2.0 + along, 2.0, 2.0 * along];
@@ -154,7 +154,7 @@ fn angular_momentum(all: &Particles, about: [f64; 2]) -> f64 {
 fn impacts_with_friction_conserve_momentum_and_angular_momentum_and_add_no_energy() {
     for seed in 0..10 {
         let mut world = world_of(rough_cloud(60, seed), WorldSettings::default());
-        let before = world.particles();
+        let before = world.bodies().particles();
         let (momentum, start) = (world.momentum(), world.kinetic_energy());
         let mut energy = start;
         for _ in 0..60 {
@@ -163,7 +163,7 @@ fn impacts_with_friction_conserve_momentum_and_angular_momentum_and_add_no_energ
             assert!(new <= energy * (1.0 + 1e-6), "{new} after {energy}");
             energy = new;
         }
-        let after = world.particles();
+        let after = world.bodies().particles();
         assert!(energy < 0.95 * start, "{energy} of {start}: hardly any impact");
         let found = world.momentum();
         assert!((0..2).all(|k| (found[k] - momentum[k]).abs() < 1e-5), "{found:?} {momentum:?}");
@@ -214,7 +214,7 @@ fn a_disc_without_friction_keeps_its_angular_velocity() {
         let settings = WorldSettings { drag, ..Default::default() };
         let mut world = world_of(all, settings);
         run_for(&mut world, 0.25, 8);
-        let Particles { velocities, spins, .. } = world.particles();
+        let Particles { velocities, spins, .. } = world.bodies().particles();
         assert!(drag > 0.0 || velocities[1][0] > 0.0, "they collide");
         let expected = [1.5 * 2.0, -0.25 * 2.0];
         for (spin, (velocity, angle)) in spins.iter().zip([1.5, -0.25].into_iter().zip(expected)) {
@@ -232,9 +232,9 @@ fn immovable_discs_keep_their_angular_velocity_and_points_do_not_turn() {
     all.movable[0] = false;
     all.spins = vec![spin(0.5, 3.0); 3];
     let mut world = world_of(all, WorldSettings::default());
-    assert_eq!(world.angular_velocities(), [3.0, 0.0, 3.0]);
+    assert_eq!(world.bodies().angular_velocities(), [3.0, 0.0, 3.0]);
     run(&mut world, 60);
-    let angles = world.angles();
+    let angles = world.bodies().angles();
     let expected = [3.0, 0.0, 3.0];
     assert!((0..3).all(|row| (angles[row] - expected[row]).abs() < 1e-6), "{angles:?}");
 }
@@ -258,10 +258,10 @@ fn particles_without_friction_and_rotation_have_no_column_for_them() {
     };
     edit(&mut world, 0.5);
     assert_ne!(world.state_hash(), expected);
-    assert_eq!(world.friction(), [0.0, 0.0, 0.0, 0.5, 0.0]);
+    assert_eq!(world.bodies().friction(), [0.0, 0.0, 0.0, 0.5, 0.0]);
     edit(&mut world, 0.0);
     assert_eq!(world.state_hash(), expected);
-    assert!(world.particles().spins.is_empty());
+    assert!(world.bodies().particles().spins.is_empty());
 }
 
 #[test]
@@ -277,7 +277,7 @@ fn merged_discs_keep_angular_momentum() {
         WorldSettings { on_touch: jostle_world::OnTouch::Merge, ..WorldSettings::default() };
     let mut world = world_of(all.clone(), settings);
     run_for(&mut world, 0.1, 20);
-    let merged = world.particles();
+    let merged = world.bodies().particles();
     assert_eq!(merged.len(), 2);
     assert_eq!(merged.spin(0).friction, 0.4);
     // Discs without friction do not turn.
@@ -313,7 +313,7 @@ fn a_disc_slides_or_rolls_down_an_incline() {
             let slides = angle.tan() > 3.0 * friction;
             let expected = if slides { sin - friction * cos } else { 2.0 / 3.0 * sin };
             let turning = if slides { 2.0 * friction * cos } else { expected };
-            let Particles { positions, velocities, spins, .. } = world.particles();
+            let Particles { positions, velocities, spins, .. } = world.bodies().particles();
             let time = 300.0 * STEP as f32;
             let close = |found: f32, expected: f32| {
                 let error = (found - expected).abs();
@@ -335,10 +335,14 @@ fn a_sliding_disc_begins_to_roll_at_two_thirds_of_its_speed() {
         run(&mut world, 10);
         // Until then it is braked by μ g.
         let braked = 9.0 - 10.0 * friction * 10.0 * STEP as f32;
-        assert!((world.velocities()[0][0] - braked).abs() < 0.01 * braked);
+        assert!((world.bodies().velocities()[0][0] - braked).abs() < 0.01 * braked);
         run(&mut world, 240);
-        assert!((world.velocities()[0][0] - 6.0).abs() < 1e-4, "{:?}", world.velocities());
-        assert!((world.angular_velocities()[0] + 6.0).abs() < 1e-4);
+        assert!(
+            (world.bodies().velocities()[0][0] - 6.0).abs() < 1e-4,
+            "{:?}",
+            world.bodies().velocities()
+        );
+        assert!((world.bodies().angular_velocities()[0] + 6.0).abs() < 1e-4);
     }
 }
 
@@ -362,7 +366,7 @@ fn results_scale_with_the_units() {
         run_for(&mut world, 0.5 * STEP * f64::from(time), 60);
         world
     });
-    let [one, other] = worlds.map(|world| world.particles());
+    let [one, other] = worlds.map(|world| world.bodies().particles());
     for row in 0..one.len() {
         let [p, q] = [&one, &other].map(|all| all.positions[row]);
         assert_eq!(p, q.map(|x| x / scale[0]), "{row}");
@@ -386,9 +390,9 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
             ..Default::default()
         };
         let mut world = world_of(all, settings);
-        let before = world.positions();
+        let before = world.bodies().positions();
         run(&mut world, 300);
-        let moved = before.iter().zip(world.positions());
+        let moved = before.iter().zip(world.bodies().positions());
         moved.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f32::max)
     };
     for share in [0.0, 0.5, 0.97] {
@@ -458,7 +462,7 @@ fn the_walls_carry_the_weight_of_a_pile() {
         };
         world.edit(roughen).expect("valid");
         run(&mut world, 480);
-        let masses: f64 = world.masses().iter().map(|&mass| f64::from(mass)).sum();
+        let masses: f64 = world.bodies().masses().iter().map(|&mass| f64::from(mass)).sum();
         let weight = masses * f64::from(world.settings().gravity[1]);
         // With friction the side walls carry a part (H. A. Janssen, 1895).
         let upwards = |touch: &jostle_world::WallTouch| {

@@ -16,13 +16,13 @@ fn a_given_acceleration_leads_to_a_parabola() {
     world.set_accelerations(vec![[3.0, -4.0], [0.0; 2]]).unwrap();
     assert_eq!(world.external_accelerations(), [[3.0, -4.0], [0.0; 2]]);
     run(&mut world, 60);
-    let ([x, y], [u, v]) = (world.positions()[0], world.velocities()[0]);
+    let ([x, y], [u, v]) = (world.bodies().positions()[0], world.bodies().velocities()[0]);
     assert!((x - 1.5).abs() < 1e-5 && (y + 2.0).abs() < 1e-5, "{x} {y}");
     assert!((u - 3.0).abs() < 1e-5 && (v + 4.0).abs() < 1e-5, "{u} {v}");
-    assert_eq!(world.velocities()[1], [0.0; 2]);
+    assert_eq!(world.bodies().velocities()[1], [0.0; 2]);
     world.clear_accelerations();
     run(&mut world, 60);
-    assert_eq!(world.velocities()[0], [u, v]);
+    assert_eq!(world.bodies().velocities()[0], [u, v]);
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn forces_add_up_and_are_divided_by_the_mass() {
     let added = world.add(discs(&[[20.0, 0.0]])).unwrap();
     assert_eq!(added, 3..4);
     run(&mut world, 60);
-    let velocities = world.velocities();
+    let velocities = world.bodies().velocities();
     assert!((velocities[0][0] - 2.0).abs() < 1e-5 && (velocities[0][1] - 0.5).abs() < 1e-5);
     assert_eq!(velocities[1..], [[0.0; 2]; 2]);
 }
@@ -63,7 +63,7 @@ fn crowd(order: &[usize], method: Method, threads: usize) -> World {
 /// Steps with a field that depends on place and velocity.
 fn run_in_field(world: &mut World, calls: usize) {
     for _ in 0..calls {
-        let pairs = world.positions().into_iter().zip(world.velocities());
+        let pairs = world.bodies().positions().into_iter().zip(world.bodies().velocities());
         let field = pairs.map(|([x, y], [u, v])| [10.0 - x - v, 3.0 * u - 0.5 * y]);
         let field = field.collect();
         world.set_accelerations(field).unwrap();
@@ -79,14 +79,17 @@ fn the_bits_are_the_same_however_it_is_computed() {
     for (method, threads) in [(Method::Brute, 1), (Method::Quadtree, 2)] {
         let mut other = crowd(&order, method, threads);
         run_in_field(&mut other, 60);
-        assert!(other.particles() == expected.particles(), "{method:?} {threads}");
+        assert!(
+            other.bodies().particles() == expected.bodies().particles(),
+            "{method:?} {threads}"
+        );
     }
     let reversed: Vec<usize> = order.iter().rev().copied().collect();
     let mut other = crowd(&reversed, Method::Quadtree, 1);
     run_in_field(&mut other, 60);
-    let mut found = other.positions();
+    let mut found = other.bodies().positions();
     found.reverse();
-    assert_eq!(found, expected.positions());
+    assert_eq!(found, expected.bodies().positions());
 }
 
 #[test]
@@ -117,13 +120,13 @@ fn pushed_particles_do_not_sleep_and_others_do() {
         run(&mut world, 1);
         world.clear_accelerations();
     }
-    assert_eq!(world.asleep(), [false, true]);
+    assert_eq!(world.bodies().asleep(), [false, true]);
     run(&mut world, 120);
-    assert_eq!(world.asleep(), [true, true]);
+    assert_eq!(world.bodies().asleep(), [true, true]);
     world.add_forces(&[1], &[[0.0, 40.0]]).unwrap();
-    assert_eq!(world.asleep(), [true, false]);
+    assert_eq!(world.bodies().asleep(), [true, false]);
     run(&mut world, 3);
-    assert!(world.velocities()[1][1] > 1.0);
+    assert!(world.bodies().velocities()[1][1] > 1.0);
     world.clear_accelerations();
 }
 
@@ -136,7 +139,7 @@ fn particles_that_merge_keep_the_given_force() {
     world.add_forces(&[0, 1], &[[8.0, 0.0], [0.0, 4.0]]).unwrap();
     run(&mut world, 60);
     assert_eq!(world.len(), 1);
-    let [u, v] = world.velocities()[0];
+    let [u, v] = world.bodies().velocities()[0];
     assert!((u - 2.0).abs() < 1e-4 && (v - 1.0).abs() < 1e-4, "{u} {v}");
 }
 

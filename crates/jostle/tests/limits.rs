@@ -72,7 +72,7 @@ fn a_step_that_overflows_is_refused_and_undone() {
     world.edit(lighter).unwrap();
     world.set_forces(Vec::new()).unwrap();
     world.step(0.01, 10).unwrap();
-    assert!(world.velocities().iter().flatten().all(|v| v.is_finite()));
+    assert!(world.bodies().velocities().iter().flatten().all(|v| v.is_finite()));
 }
 
 fn crowd(len: usize, side: f32) -> Particles {
@@ -182,7 +182,7 @@ fn positions_that_a_caller_gave_are_back_after_a_step_that_is_undone() {
     let settings = WorldSettings { container: torus, ..Default::default() };
     let mut world = world_of(all, settings);
     watch(|| true, || world.step(0.1, 1)).unwrap_err();
-    assert_eq!(world.positions()[0], [-3.0, 25.0]);
+    assert_eq!(world.bodies().positions()[0], [-3.0, 25.0]);
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn a_round_wall_far_from_the_origin_takes_no_longer() {
     let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
     let mut world = world_of(all, settings);
     within_bounds(|| world.step(0.1, 3).unwrap());
-    for [x, y] in world.positions() {
+    for [x, y] in world.bodies().positions() {
         let [x, y] = [x - center[0], y - center[1]].map(f64::from);
         assert!((x * x + y * y).sqrt() <= 1.6 + 1e-6);
     }
@@ -221,7 +221,7 @@ fn a_fast_particle_on_a_torus_collides_again_and_again_in_a_step() {
     let size = 2.0 * energy / 6e6;
     assert!((0..2).all(|k| close(world.momentum()[k], momentum[k], size)));
     assert!(close(world.kinetic_energy(), energy, energy));
-    let moved = world.velocities().iter().filter(|v| v[0].abs() > 100.0).count();
+    let moved = world.bodies().velocities().iter().filter(|v| v[0].abs() > 100.0).count();
     assert!(moved > 10, "only {moved} have been hit");
     assert_eq!(world.stats().unresolved, 0);
 }
@@ -232,13 +232,13 @@ fn the_number_of_steps_has_no_effect_on_a_fast_particle() {
     let cases = (0..40).flat_map(|angle| [(torus, angle), (Container::None, angle)]);
     let mut stable = 0;
     for (container, angle) in cases {
-        let mut all = torus_with_one_fast(0.0, 100, OnTouch::Bounce).particles();
+        let mut all = torus_with_one_fast(0.0, 100, OnTouch::Bounce).bodies().particles();
         all.velocities[0] = [(angle as f32).cos(), (angle as f32).sin()].map(|v| v * 3e4);
         let settings = inside(container);
         let [once, often, oftener] = [1, 40, 60].map(|steps| {
             let mut world = world_of(all.clone(), settings);
             world.step(0.02 / steps as f64, steps).unwrap();
-            world.velocities()
+            world.bodies().velocities()
         });
         let error = |found: &[[f32; 2]]| {
             let both = found.iter().flatten().zip(oftener.iter().flatten());
@@ -267,7 +267,7 @@ fn discs_that_meet_in_another_image_of_the_torus_collide() {
     let [once, often] = [1, 20].map(|steps| {
         let mut world = world_of(all.clone(), settings);
         world.step(1.0 / steps as f64, steps).unwrap();
-        world.velocities()
+        world.bodies().velocities()
     });
     assert!(once.iter().all(|v| *v != [-98.0, 0.0]), "the first has collided");
     for (a, b) in once.iter().flatten().zip(often.iter().flatten()) {
@@ -287,7 +287,10 @@ fn few_discs_travel_often_around_a_torus() {
     let energy = world.kinetic_energy();
     within_bounds(|| world.step(1.0, 3).unwrap());
     assert!((world.kinetic_energy() / energy - 1.0).abs() < 1e-5);
-    assert!(velocities.iter().zip(world.velocities()).all(|(a, b)| *a != b), "all have collided");
+    assert!(
+        velocities.iter().zip(world.bodies().velocities()).all(|(a, b)| *a != b),
+        "all have collided"
+    );
 }
 
 #[test]
@@ -320,12 +323,12 @@ fn a_fast_particle_in_a_wide_torus_with_many_others_takes_bounded_time() {
 fn a_fast_particle_without_hits_moves_straight() {
     // Free flight: the place after a step is known.
     let mut world = torus_with_one_fast(5e5, 100, OnTouch::Ignore);
-    let start = world.positions();
-    let velocities = world.velocities();
+    let start = world.bodies().positions();
+    let velocities = world.bodies().velocities();
     world.step(0.01, 1).unwrap();
     for (row, ([x, y], [u, v])) in start.into_iter().zip(velocities).enumerate() {
         let goal = [x + u * 0.01, y + v * 0.01].map(|v| f64::from(v).rem_euclid(1000.0));
-        for (found, goal) in world.positions()[row].into_iter().zip(goal) {
+        for (found, goal) in world.bodies().positions()[row].into_iter().zip(goal) {
             let off = (f64::from(found) - goal).abs();
             assert!(off.min(1000.0 - off) < 0.05, "row {row}: {found} instead of {goal}");
         }
@@ -336,15 +339,15 @@ fn a_fast_particle_without_hits_moves_straight() {
 fn the_order_of_adding_has_no_effect_if_few_are_fast() {
     let mut worlds = [false, true].map(|reversed| {
         let world = torus_with_one_fast(2e6, 200, OnTouch::Bounce);
-        let mut all = world.particles();
+        let mut all = world.bodies().particles();
         if reversed {
             let order: Vec<u32> = (0..200).rev().collect();
-            all.gather(&world.particles(), &order, Some(1));
+            all.gather(&world.bodies().particles(), &order, Some(1));
         }
         world_of(all, *world.settings())
     });
     worlds.iter_mut().for_each(|world| world.step(0.01, 3).unwrap());
-    let [first, second] = worlds.map(|world| world.positions());
+    let [first, second] = worlds.map(|world| world.bodies().positions());
     assert!(first.iter().eq(second.iter().rev()));
 }
 
@@ -360,7 +363,10 @@ fn inelastic_collapse_of_a_long_row_takes_bounded_time() {
     let settings = WorldSettings { restitution: 0.0, substeps: Some(1), ..Default::default() };
     let mut world = world_of(all, settings);
     within_bounds(|| world.step(0.1, 1).unwrap());
-    assert!(world.positions().iter().all(|p| p[0] <= 1.0), "nothing has passed the obstacle");
+    assert!(
+        world.bodies().positions().iter().all(|p| p[0] <= 1.0),
+        "nothing has passed the obstacle"
+    );
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn crowd(count: usize, side: f32) -> Particles {
 
 /// Mass, momentum, area (over π) and moment of mass, in float64.
 fn sums(world: &World) -> [f64; 6] {
-    let all = world.particles();
+    let all = world.bodies().particles();
     let mut sums = [0.0; 6];
     for row in 0..all.len() {
         let mass = f64::from(all.masses[row]);
@@ -68,7 +68,7 @@ fn mass_momentum_and_area_are_kept_while_a_crowd_merges() {
             assert!(error < 1e-6, "sum {k} is off by {error:e} in {container:?}");
         }
         assert!(world.contacts().unwrap().is_empty());
-        assert!(world.particles().validate().is_ok());
+        assert!(world.bodies().particles().validate().is_ok());
     }
 }
 
@@ -93,7 +93,7 @@ fn two_become_one_as_written() {
     all.restitutions = vec![0.2, 0.6];
     let mut world = world_of(all, merging());
     run_for(&mut world, 0.25, 1);
-    let one = world.particles();
+    let one = world.bodies().particles();
     assert_eq!(one.masses, [4.0]);
     assert_eq!(one.velocities, [[1.0, 6.0]]);
     assert_eq!(one.radii, [1.25]);
@@ -116,8 +116,8 @@ fn a_chain_merges_in_one_go_and_what_that_makes_touch_follows() {
     let mut world = world_of(row(&at, &[[0.0; 2]; 5], 1.0), merging());
     run_for(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), Some(vec![0, 0, 2, 0, 0]));
-    assert_eq!(world.radii(), [2.0, 1.0]);
-    assert_eq!(world.positions()[1], [50.0, 0.0]);
+    assert_eq!(world.bodies().radii(), [2.0, 1.0]);
+    assert_eq!(world.bodies().positions()[1], [50.0, 0.0]);
     world.begin_record();
     run_for(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), None);
@@ -129,9 +129,9 @@ fn coincident_particles_merge() {
     all.radii[7] = 0.0; // a point inside others
     let mut world = world_of(all, merging());
     run_for(&mut world, 0.5, 1);
-    assert_eq!(world.positions(), [[3.5, 4.0]]);
-    assert_eq!(world.velocities(), [[1.0, 0.0]]);
-    assert!(world.particles().validate().is_ok());
+    assert_eq!(world.bodies().positions(), [[3.5, 4.0]]);
+    assert_eq!(world.bodies().velocities(), [[1.0, 0.0]]);
+    assert!(world.bodies().particles().validate().is_ok());
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn nothing_is_missed_however_fast() {
         world_of(row(&[[-200.0, 0.3], [0.0, 0.0]], &[[4e4, 0.0], [0.0; 2]], 0.5), merging());
     run_for(&mut world, 1e-2, 1);
     assert_eq!(world.len(), 1);
-    assert_eq!(world.velocities(), [[2e4, 0.0]]);
+    assert_eq!(world.bodies().velocities(), [[2e4, 0.0]]);
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn on_a_torus_the_minimum_image_is_used() {
     let all = row(&[[0.25, 4.0], [9.25, 4.0]], &[[0.0; 2]; 2], 0.75);
     let mut world = world_of(all, WorldSettings { container, ..merging() });
     run_for(&mut world, 0.1, 1);
-    assert_eq!(world.positions(), [[9.75, 4.0]]);
+    assert_eq!(world.bodies().positions(), [[9.75, 4.0]]);
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn what_cannot_be_moved_stays_and_holds() {
     all.movable[1] = false;
     let mut world = world_of(all, merging());
     run_for(&mut world, 0.1, 2);
-    let one = world.particles();
+    let one = world.bodies().particles();
     assert_eq!((one.positions, one.velocities), (vec![[1.5, 0.0]], vec![[0.0; 2]]));
     assert_eq!((one.masses, one.movable), (vec![3.0], vec![false]));
 }
@@ -173,7 +173,7 @@ fn what_would_not_fit_as_one_stays_apart() {
     run_for(&mut world, 0.1, 3);
     assert_eq!(world.len(), 2);
     assert_eq!(world.contacts().unwrap().len(), 1);
-    assert_eq!(world.positions(), [[1.0, 1.0], [2.0, 1.0]]);
+    assert_eq!(world.bodies().positions(), [[1.0, 1.0], [2.0, 1.0]]);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn what_grows_at_a_wall_stays_inside() {
     let all = row(&[[1.0, 1.0], [1.0, 2.5]], &[[0.0; 2]; 2], 1.0);
     let mut world = world_of(all, WorldSettings { container, ..merging() });
     run_for(&mut world, 0.1, 1);
-    let ([x, _], radius) = (world.positions()[0], world.radii()[0]);
+    let ([x, _], radius) = (world.bodies().positions()[0], world.bodies().radii()[0]);
     assert!(x >= radius, "{x} {radius}");
 }
 
@@ -214,14 +214,15 @@ fn forces_follow_what_their_particles_become() {
 #[test]
 fn account_of_merging_is_kept_over_several_steps() {
     let mut world = world_of(crowd(400, 20.0), merging());
-    let all = world.particles();
-    let marks = |world: &World| world.masses().iter().map(|&m| f64::from(m)).collect::<Vec<_>>();
+    let all = world.bodies().particles();
+    let marks =
+        |world: &World| world.bodies().masses().iter().map(|&m| f64::from(m)).collect::<Vec<_>>();
     run(&mut world, 50);
     let map = new_ids(&world).expect("some merged");
     assert_eq!(map.len(), 400);
     let mut expected = vec![0.0; world.len()];
     for (row, &new) in map.iter().enumerate() {
-        expected[world.rows_of(&[new]).unwrap()[0] as usize] += f64::from(all.masses[row]);
+        expected[world.bodies().rows_of(&[new]).unwrap()[0] as usize] += f64::from(all.masses[row]);
     }
     for (found, expected) in marks(&world).iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
@@ -233,7 +234,7 @@ fn account_of_merging_is_kept_over_several_steps() {
     let mut left = map.clone();
     left.sort_unstable();
     left.dedup();
-    assert_eq!(world.ids(), left);
+    assert_eq!(world.bodies().ids(), left);
     let added = world.add(row(&[[500.0; 2]], &[[0.0; 2]], 1.0)).expect("valid");
     assert_eq!(added, 400..401);
     assert_eq!(new_ids(&world), Some([map, vec![400]].concat()));
@@ -244,18 +245,18 @@ fn removing_changes_no_id() {
     let at = [[0.0; 2], [9.0, 0.0], [18.0, 0.0], [10.5, 0.0]];
     let mut world = world_of(row(&at, &[[0.0; 2]; 4], 1.0), merging());
     world.remove(&[2]).expect("it is there");
-    assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0, 1, 3], None));
+    assert_eq!((world.bodies().ids(), world.renumbered().unwrap()), (vec![0, 1, 3], None));
     run_for(&mut world, 0.1, 1);
     let merged = vec![Some(0), Some(1), None, Some(1)];
-    assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0, 1], Some(merged)));
+    assert_eq!((world.bodies().ids(), world.renumbered().unwrap()), (vec![0, 1], Some(merged)));
     let error = world.remove(&[3]).expect_err("it is part of another").to_string();
     assert!(error.starts_with("ids[0] is 3; no particle has this id any more"), "{error}");
     world.remove(&[1]).expect("it is there");
     let merged = vec![Some(0), None, None, None];
-    assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0], Some(merged)));
+    assert_eq!((world.bodies().ids(), world.renumbered().unwrap()), (vec![0], Some(merged)));
     world.remove(&[]).expect("nothing to do");
     world.remove(&[0]).expect("it is there");
-    assert!(world.is_empty() && world.ids().is_empty());
+    assert!(world.is_empty() && world.bodies().ids().is_empty());
     assert_eq!(world.add(row(&[[0.0; 2]], &[[0.0; 2]], 1.0)).expect("valid"), 4..5);
 }
 
@@ -303,13 +304,13 @@ fn the_order_of_adding_moves_slots_and_nothing_else() {
     // Where each of the second stands in the first, by way of the rows they began in.
     let (map, other) = (new_ids(&first).unwrap(), new_ids(&second).unwrap());
     let rows = |world: &World, ids: &[Id]| -> Vec<u32> {
-        ids.iter().map(|&id| world.rows_of(&[id]).unwrap()[0]).collect()
+        ids.iter().map(|&id| world.bodies().rows_of(&[id]).unwrap()[0]).collect()
     };
     let (map, other) = (rows(&first, &map), rows(&second, &other));
     let mut back = vec![0; first.len()];
     order.iter().zip(other).for_each(|(&row, new)| back[map[row as usize] as usize] = new);
-    let permuted = gathered(&second.particles(), &back);
-    assert!(permuted == first.particles());
+    let permuted = gathered(&second.bodies().particles(), &back);
+    assert!(permuted == first.bodies().particles());
     assert_eq!(first.momentum(), second.momentum());
 }
 
@@ -329,11 +330,11 @@ fn ghosts_pass_through_each_other_and_not_through_walls() {
     assert!((touches[0].depth - 1.0).abs() < 1e-4, "{touches:?}");
     assert_eq!(world.stats().tests, 0);
     run_for(&mut world, 0.1, 25);
-    let at = world.positions();
+    let at = world.bodies().positions();
     assert!((at[0][0] - 7.0).abs() < 1e-4 && (at[1][0] - 3.0).abs() < 1e-4, "{at:?}");
     assert!(world.contacts().unwrap().is_empty());
     run_for(&mut world, 0.1, 40); // two on to the wall, two back
-    assert_eq!(world.velocities(), [[-1.0, 0.0], [1.0, 0.0]]);
+    assert_eq!(world.bodies().velocities(), [[-1.0, 0.0], [1.0, 0.0]]);
     assert_eq!(world.len(), 2);
 }
 
@@ -348,7 +349,11 @@ fn ghosts_rest_on_the_floor() {
     };
     let mut world = world_of(row(&[[5.0, 5.0], [5.2, 2.0]], &[[0.0; 2]; 2], 1.0), settings);
     run(&mut world, 600);
-    assert!(world.positions().iter().all(|p| (p[1] - 9.0).abs() < 1e-3), "{:?}", world.positions());
+    assert!(
+        world.bodies().positions().iter().all(|p| (p[1] - 9.0).abs() < 1e-3),
+        "{:?}",
+        world.bodies().positions()
+    );
     assert!(world.kinetic_energy() < 1e-6);
 }
 

@@ -38,14 +38,14 @@ fn a_paddle_turns_about_its_centre_for_an_hour() {
     world.set_forces(vec![Influence::Motor(turning)]).unwrap();
     run(&mut world, 60 * 3600);
     let angle = f64::from(angular_velocity) * world.time();
-    for (k, [x, y]) in world.positions().into_iter().enumerate() {
+    for (k, [x, y]) in world.bodies().positions().into_iter().enumerate() {
         let radius = 1.0 + k as f64;
         let [dx, dy] = [x - center[0], y - center[1]].map(f64::from);
         assert!((dx.hypot(dy) - radius).abs() < 2e-3, "{k}: {}", dx.hypot(dy));
         let off = (dy.atan2(dx) - angle).rem_euclid(TAU);
         assert!(off.min(TAU - off) < 2e-3, "{k}: {off}");
     }
-    let turned = f64::from(world.angles()[0]);
+    let turned = f64::from(world.bodies().angles()[0]);
     let off = (turned - angle).rem_euclid(TAU);
     assert!(off.min(TAU - off) < 2e-2, "{off}: each disc turns with the paddle");
 }
@@ -60,7 +60,7 @@ fn the_motion_does_not_depend_on_the_steps() {
         let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
         world.set_forces(vec![Influence::Motor(swing), Influence::Motor(piston)]).unwrap();
         world.step(dt, steps).unwrap();
-        (world.positions()[0], world.walls()[0].ends)
+        (world.bodies().positions()[0], world.walls()[0].ends)
     };
     let (disc, wall) = place(1.0 / 64.0, 640);
     // After 10 s: 10 = 7 · 1.3 + 0.9, so 0.4 s forward; 10 = 14 · 0.7 + 0.2.
@@ -85,7 +85,7 @@ fn a_disc_that_a_paddle_hits_leaves_with_its_speed() {
     let turning = Motor { angular_velocity: PI as f32 / 2.0, ..motor(&[0], &[]) };
     world.set_forces(vec![Influence::Motor(turning)]).unwrap();
     run(&mut world, 60);
-    let [u, v] = world.velocities()[1].map(f64::from);
+    let [u, v] = world.bodies().velocities()[1].map(f64::from);
     let speed = u.hypot(v);
     // Elastic, of infinite mass: up to twice the speed of the tip.
     assert!(speed > 2.0 && speed < 2.0 * 4.0 * PI / 2.0, "{speed}");
@@ -132,7 +132,10 @@ fn a_mill_has_the_same_bits_however_it_is_computed() {
     for (method, threads) in [(Method::Brute, 1), (Method::Quadtree, 2)] {
         let mut other = mill(method, threads);
         run(&mut other, 240);
-        assert!(other.particles() == expected.particles(), "{method:?} {threads}");
+        assert!(
+            other.bodies().particles() == expected.bodies().particles(),
+            "{method:?} {threads}"
+        );
     }
     let mut half = mill(Method::Quadtree, 1);
     run(&mut half, 100);
@@ -140,7 +143,7 @@ fn a_mill_has_the_same_bits_however_it_is_computed() {
     run(&mut half, 140);
     assert_eq!(half.snapshot(), expected.snapshot());
     // It lifts grains; they stay in the mill.
-    assert!(expected.positions().iter().all(|[x, y]| x.hypot(*y) < 9.0));
+    assert!(expected.bodies().positions().iter().all(|[x, y]| x.hypot(*y) < 9.0));
     assert!(expected.kinetic_energy() > 1.0);
 }
 
@@ -158,8 +161,11 @@ fn grains_on_a_paddle_do_not_sleep_and_others_do() {
     let lift = Motor { velocity: [0.0, 0.5], period: 4.0, ..motor(&[0], &[]) };
     world.set_forces(vec![Influence::Motor(lift)]).unwrap();
     run(&mut world, 120);
-    assert_eq!(world.asleep(), [false, true]);
-    assert!((world.positions()[0][1] - 2.0).abs() < 1e-5, "it moves on while others sleep");
+    assert_eq!(world.bodies().asleep(), [false, true]);
+    assert!(
+        (world.bodies().positions()[0][1] - 2.0).abs() < 1e-5,
+        "it moves on while others sleep"
+    );
 }
 
 #[test]

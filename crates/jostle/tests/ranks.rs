@@ -1,5 +1,6 @@
 //! Distributed worlds, whose ranks are threads here.
 
+use jostle_world::ranks;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{self, ThreadId};
 
@@ -53,7 +54,7 @@ fn on_ranks<R: Send>(
             scope.spawn(move || {
                 let (particles, ids) = share(all, rank, size);
                 let mut world = world_of(particles, settings);
-                world.distribute(Box::new(of), ids).unwrap();
+                ranks::distribute(&mut world, Box::new(of), ids).unwrap();
                 work(rank, world)
             })
         };
@@ -79,12 +80,12 @@ fn check_prepared(
     let mut whole = world_of(all.clone(), settings);
     prepare(&mut whole);
     whole.step(1.0 / 60.0, steps).unwrap();
-    let (expected, rows) = (whole.particles(), whole.ids());
+    let (expected, rows) = (whole.bodies().particles(), whole.bodies().ids());
     let parts = on_ranks(all, settings, ranks(size), |_, mut world| {
         prepare(&mut world);
         world.step(1.0 / 60.0, steps).unwrap();
-        let own = world.own_particles().unwrap();
-        (world.own_records(), own.ids.len() - own.own)
+        let own = ranks::own_particles(&world).unwrap();
+        (ranks::own_records(&world), own.ids.len() - own.own)
     });
     let mut found = 0;
     for (bytes, _) in &parts {
@@ -169,9 +170,9 @@ fn external_accelerations_have_the_bits_of_one_process() {
     let all = gas(300);
     let settings = WorldSettings { gravity: [3.0, 0.0], ..WorldSettings::default() };
     let accelerate = |world: &mut World| {
-        world.rebalance_every(3);
+        ranks::rebalance_every(world, 3);
         let acceleration = |id: Id| if id % 3 > 0 { [0.0; 2] } else { [40.0 - id as f32, 9.0] };
-        let ids = world.own_ids().0;
+        let ids = ranks::own_ids(&world).0;
         world.set_accelerations(ids.into_iter().map(acceleration).collect()).unwrap();
     };
     let merging = WorldSettings { on_touch: OnTouch::Merge, ..settings };
@@ -185,7 +186,7 @@ fn external_accelerations_have_the_bits_of_one_process() {
 #[test]
 fn an_error_of_external_accelerations_reaches_all_ranks() {
     let results = on_ranks(&gas(60), WorldSettings::default(), ranks(3), |rank, mut world| {
-        let ids = world.own_ids().0;
+        let ids = ranks::own_ids(&world).0;
         let worst = if rank == 1 { f32::NAN } else { 1.0 };
         world.set_accelerations(vec![[0.0, worst]; ids.len()]).map_err(|error| error.to_string())
     });
@@ -211,7 +212,7 @@ fn steps_are_not_repeated_where_halos_are_wide_enough() {
     all.velocities.iter_mut().flatten().for_each(|v| *v *= 4.0);
     let repeats = on_ranks(&all, WorldSettings::default(), ranks(2), |_, mut world| {
         world.step(1.0 / 60.0, 8).unwrap();
-        world.own_particles().unwrap().repeats
+        ranks::own_particles(&world).unwrap().repeats
     });
     assert_eq!(repeats, [0, 0]);
 }
@@ -251,7 +252,7 @@ fn ranks_that_do_not_agree_stop_when_each_has_all_particles() {
     communicators[0].tampers = true;
     let results = on_ranks(&gas(300), WorldSettings::default(), communicators, |_, mut world| {
         let done = world.step(1.0 / 60.0, 1);
-        (done, world.own_particles().unwrap().repeats)
+        (done, ranks::own_particles(&world).unwrap().repeats)
     });
     for (done, repeats) in results {
         let message = done.unwrap_err().to_string();
@@ -288,7 +289,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
             other => panic!("{other}"),
         };
         world.step(1e-8, 3).unwrap();
-        (named, world.own_records())
+        (named, ranks::own_records(&world))
     });
     let mut whole = world_of(all.clone(), settings);
     let error = whole.step(dt, 1).unwrap_err();
@@ -300,7 +301,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
     for (_, bytes) in results {
         let (own, ids) = read_records(&bytes);
         for (row, id) in ids.into_iter().enumerate() {
-            assert_eq!(own.positions[row], whole.positions()[id as usize]);
+            assert_eq!(own.positions[row], whole.bodies().positions()[id as usize]);
         }
     }
 }
@@ -374,12 +375,13 @@ fn one_rank_has_the_bits_of_one_process_on_two_threads() {
         world
     };
     let (mut alone, mut one) = (pile(), pile());
-    one.distribute(Box::new(One(thread::current().id())), (0..6000).collect()).unwrap();
+    ranks::distribute(&mut one, Box::new(One(thread::current().id())), (0..6000).collect())
+        .unwrap();
     for world in [&mut alone, &mut one] {
         world.step(STEP, 20).unwrap();
     }
-    let (found, ids) = read_records(&one.own_records());
-    let expected = alone.particles();
+    let (found, ids) = read_records(&ranks::own_records(&one));
+    let expected = alone.bodies().particles();
     assert_eq!(ids.len(), 6000);
     for (index, &id) in ids.iter().enumerate() {
         assert_eq!(found.positions[index], expected.positions[id as usize]);

@@ -25,7 +25,7 @@ fn a_disc_rests_on_a_round_wall_while_the_normal_hardly_turns() {
     assert_eq!(impacts(&mut sliding(10.0)), 0);
     let mut fast = sliding(20.0);
     assert!(impacts(&mut fast) > 0);
-    let particles = fast.particles();
+    let particles = fast.bodies().particles();
     let ([x, y], [u, v]) = (particles.positions[0], particles.velocities[0]);
     assert!(x.hypot(y) < 0.5 + 1e-4 && u.hypot(v) < 20.0 + 1e-3, "{x} {y} {u} {v}");
 }
@@ -50,10 +50,10 @@ fn a_disc_rests_on_the_ends_of_walls_that_carry_it_however_fast() {
         run(&mut moved, 60);
         // The fast posts move by more than the radius of the disc in each of four sub-steps.
         assert_eq!(impacts(&mut moved), 0, "{velocity}");
-        let (disc, end) = (moved.particles(), moved.walls()[0].ends[0]);
+        let (disc, end) = (moved.bodies().particles(), moved.walls()[0].ends[0]);
         let [x, y] = [0, 1].map(|k| disc.positions[0][k] - end[k]);
         let [u, v] = disc.velocities[0];
-        let height = still.particles().positions[0][1];
+        let height = still.bodies().particles().positions[0][1];
         assert!((x - 0.6).abs() < 1e-3 && (y - height).abs() < 1e-4, "{velocity}: {x} {y}");
         assert!((u - velocity).abs() < 1e-3 && v.abs() < 1e-3, "{velocity}: {u} {v}");
     }

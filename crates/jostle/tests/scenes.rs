@@ -14,8 +14,14 @@ fn run(world: &mut World, seconds: usize) {
 
 /// Positions of what can be moved.
 fn moving(world: &World) -> Vec<[f32; 2]> {
-    let movable = world.movable();
-    world.positions().into_iter().zip(movable).filter_map(|(p, m)| m.then_some(p)).collect()
+    let movable = world.bodies().movable();
+    world
+        .bodies()
+        .positions()
+        .into_iter()
+        .zip(movable)
+        .filter_map(|(p, m)| m.then_some(p))
+        .collect()
 }
 
 fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
@@ -47,7 +53,7 @@ fn a_wall_without_end_is_refused() {
 #[test]
 fn springs_hold_discs_that_do_not_overlap_at_rest() {
     let world = create("springs", None, 0);
-    let radii = world.radii();
+    let radii = world.bodies().radii();
     let [Influence::Springs(springs)] = &world.forces()[..] else { panic!("springs alone") };
     for spring in &springs.0 {
         let [a, b] = spring.pair.map(|row| radii[row as usize]);
@@ -59,14 +65,15 @@ fn springs_hold_discs_that_do_not_overlap_at_rest() {
 fn soft_bodies_come_to_rest_in_one_piece() {
     let mut world = create("springs", Some(400), 1);
     run(&mut world, 30);
-    let positions = world.positions();
+    let positions = world.bodies().positions();
     let [Influence::Springs(springs)] = &world.forces()[..] else { panic!("springs alone") };
     for spring in &springs.0 {
         let [a, b] = spring.pair.map(|row| positions[row as usize]);
         let share = distance(a, b) / spring.length;
         assert!((0.7..1.3).contains(&share), "{:?} is {share} of its length", spring.pair);
     }
-    let fastest = world.velocities().iter().map(|&v| distance([0.0; 2], v)).fold(0.0, f32::max);
+    let fastest =
+        world.bodies().velocities().iter().map(|&v| distance([0.0; 2], v)).fold(0.0, f32::max);
     assert!(fastest < 200.0, "something still moves at {fastest}");
 }
 
@@ -133,8 +140,8 @@ fn the_large_disc_gets_its_share_of_the_energy() {
     run(&mut world, 5);
     for _ in 0..samples {
         world.step(STEP, 12).unwrap();
-        let [u, v] = world.velocities()[0].map(f64::from);
-        large += 0.5 * f64::from(world.masses()[0]) * (u * u + v * v);
+        let [u, v] = world.bodies().velocities()[0].map(f64::from);
+        large += 0.5 * f64::from(world.bodies().masses()[0]) * (u * u + v * v);
         all += world.kinetic_energy() / world.len() as f64;
     }
     let share = large / all;
@@ -146,7 +153,7 @@ fn both_gases_take_the_speed_of_the_walls() {
     let mut world = create("thermostat", Some(1000), 0);
     run(&mut world, 120);
     let energies = |first: usize| {
-        let (velocities, masses) = (world.velocities(), world.masses());
+        let (velocities, masses) = (world.bodies().velocities(), world.bodies().masses());
         let rows = first..first + 500;
         rows.map(|i| masses[i] * distance([0.0; 2], velocities[i]).powi(2)).sum::<f32>()
     };
@@ -157,12 +164,12 @@ fn both_gases_take_the_speed_of_the_walls() {
 #[test]
 fn dust_becomes_stars() {
     let mut world = create("stars", Some(3000), 0);
-    let mass = |world: &World| world.masses().iter().map(|&m| f64::from(m)).sum::<f64>();
+    let mass = |world: &World| world.bodies().masses().iter().map(|&m| f64::from(m)).sum::<f64>();
     let before = mass(&world);
     run(&mut world, 20);
     assert!((mass(&world) / before - 1.0).abs() < 1e-4);
     assert!(world.len() < 600, "{} are left", world.len());
-    let largest = world.radii().into_iter().fold(0.0, f32::max);
+    let largest = world.bodies().radii().into_iter().fold(0.0, f32::max);
     assert!(largest > 5.0, "the largest star has a radius of {largest}");
 }
 

@@ -23,7 +23,7 @@ fn each_side_has_its_own() {
         let mut world = one([x, y], settings);
         run(&mut world, 90);
         let expected = [x, y].map(|v| -v * 0.5 * sides[side]);
-        assert_eq!(world.velocities(), [expected]);
+        assert_eq!(world.bodies().velocities(), [expected]);
         assert_eq!(world.wall_contacts().len(), 0);
     }
 }
@@ -72,8 +72,10 @@ fn an_elastic_gas_cools_at_one_side_and_rests_there() {
     let mut world = one([3.0, 0.0], WorldSettings { container_restitution: sides, ..base });
     run(&mut world, 600);
     // The walls at its sides do not change its speed, and the floor takes what is along its normal.
-    let ([[_, y]], [[u, v]]) =
-        (world.positions()[..].try_into().unwrap(), world.velocities()[..].try_into().unwrap());
+    let ([[_, y]], [[u, v]]) = (
+        world.bodies().positions()[..].try_into().unwrap(),
+        world.bodies().velocities()[..].try_into().unwrap(),
+    );
     assert!((y - 1.0f32).abs() < 1e-3 && v == 0.0, "{y} {v}");
     assert!((f32::abs(u) - 3.0).abs() < 1e-4, "{u}");
     let floor = world.wall_contacts();

@@ -37,12 +37,12 @@ fn triangles(centers: &[f32]) -> World {
 }
 
 fn count(world: &World) -> usize {
-    world.asleep().iter().filter(|&&asleep| asleep).count()
+    world.bodies().asleep().iter().filter(|&&asleep| asleep).count()
 }
 
 fn sleep(world: &mut World) {
     run(world, 120);
-    assert_eq!(count(world), world.movable().iter().filter(|&&movable| movable).count());
+    assert_eq!(count(world), world.bodies().movable().iter().filter(|&&movable| movable).count());
 }
 
 /// Settings of a box that is as wide as a heap.
@@ -82,11 +82,14 @@ fn a_pile_falls_asleep_and_stays_as_it_is() {
     let start = world.time();
     assert_eq!(world.kinetic_energy(), 0.0);
     assert_eq!(world.momentum(), [0.0; 2]);
-    let before = (world.particles(), world.contacts().unwrap(), world.wall_contacts());
+    let before = (world.bodies().particles(), world.contacts().unwrap(), world.wall_contacts());
     let energy = world.potential_energy();
     let mut stages = Vec::new();
     world.step_watched(STEP, 500, &mut |stage: Stage, _: &World| stages.push(stage)).unwrap();
-    assert_eq!((world.particles(), world.contacts().unwrap(), world.wall_contacts()), before);
+    assert_eq!(
+        (world.bodies().particles(), world.contacts().unwrap(), world.wall_contacts()),
+        before
+    );
     assert!(!before.1.is_empty() && !before.2.is_empty());
     assert_eq!(world.potential_energy(), energy);
     assert_eq!(world.stats(), Stats::default());
@@ -129,7 +132,7 @@ fn nothing_sleeps_where_nothing_rests() {
     elastic.restitutions = vec![1.0, 0.5];
     let mut mixed = world_of(elastic, WorldSettings { restitution: 1.0, ..settings() });
     run(&mut mixed, 120);
-    assert_eq!(mixed.asleep(), [false, true]);
+    assert_eq!(mixed.bodies().asleep(), [false, true]);
     let thermostat = Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 });
     let attractor = jostle_world::forces::Attractor {
         pole: jostle_world::forces::Pole::Point([0.0, 9.0]),
@@ -152,7 +155,7 @@ fn all_immovable_and_empty_worlds() {
     all.movable.fill(false);
     let mut fixed = world(all);
     run(&mut fixed, 100);
-    assert_eq!((empty.asleep(), fixed.asleep()), (vec![], vec![false; 3]));
+    assert_eq!((empty.bodies().asleep(), fixed.bodies().asleep()), (vec![], vec![false; 3]));
 }
 
 #[test]
@@ -168,8 +171,8 @@ fn discs_that_topple_do_not_sleep() {
             // The time in which the offset grows e times is about (r/g)^½.
             let steps = (60.0 * 25.0 * (radius / gravity).sqrt()) as usize + 90;
             run(&mut world, steps);
-            let fallen = world.positions()[1][1] < 2.0 * radius;
-            assert!(fallen, "{radius} {gravity} {offset}: {:?}", world.positions());
+            let fallen = world.bodies().positions()[1][1] < 2.0 * radius;
+            assert!(fallen, "{radius} {gravity} {offset}: {:?}", world.bodies().positions());
         }
     }
 }
@@ -198,7 +201,7 @@ fn a_disc_that_falls_slowly_in_a_viscous_medium_does_not_sleep() {
         run(&mut world, 300);
         assert_eq!(count(&world), 0, "{drag}");
         let expected = 9.0 - 9.8 / drag * (5.0 - 1.0 / drag);
-        assert!((world.positions()[0][1] - expected).abs() < 1e-2, "{drag}");
+        assert!((world.bodies().positions()[0][1] - expected).abs() < 1e-2, "{drag}");
     }
 }
 
@@ -240,7 +243,7 @@ fn a_disc_that_turns_round_on_a_slope_does_not_sleep() {
             // Back where it started.
             let seconds = 2.0 * speed / acceleration;
             run(&mut world, (f64::from(seconds) * 60.0).round() as usize);
-            let x = world.positions()[0][0];
+            let x = world.bodies().positions()[0][0];
             assert!(x.abs() < 0.05 * radius, "{radius} {degrees} {friction}: {x}");
             assert_eq!(count(&world), 0);
         }
@@ -254,7 +257,7 @@ fn a_disc_that_spins_without_friction_does_not_sleep() {
     let mut world = world(all);
     run(&mut world, 300);
     assert_eq!(count(&world), 0);
-    assert_eq!(world.angular_velocities(), [0.2]);
+    assert_eq!(world.bodies().angular_velocities(), [0.2]);
 }
 
 #[test]
@@ -264,7 +267,7 @@ fn a_point_sleeps_if_it_stands_still() {
     points.velocities[1] = [1e-6, 0.0];
     let mut world = world(points);
     run(&mut world, 120);
-    assert_eq!(world.asleep(), [true, false]);
+    assert_eq!(world.bodies().asleep(), [true, false]);
 }
 
 #[test]
@@ -278,7 +281,7 @@ fn a_slow_ball_wakes_the_island_that_it_touches_and_no_other() {
     run(&mut world, 40);
     assert_eq!(count(&world), 9, "it is still in the air");
     run(&mut world, 50);
-    let asleep = world.asleep();
+    let asleep = world.bodies().asleep();
     assert_eq!(asleep[..9], [true, true, true, false, false, false, true, true, true]);
 }
 
@@ -305,7 +308,7 @@ fn nothing_tunnels_through_sleeping_discs() {
             world
         };
         let [asleep, awake] = [true, false].map(shot);
-        let [a, b] = [asleep.velocities(), awake.velocities()];
+        let [a, b] = [asleep.bodies().velocities(), awake.bodies().velocities()];
         assert!(
             a.iter().take(20).flatten().any(|v| v.abs() > 0.01 * speed),
             "{speed}: {a:?} {b:?}"
@@ -336,7 +339,7 @@ fn a_ball_deflected_out_of_its_bounds_wakes_what_it_meets() {
             world
         };
         let [asleep, awake] = [true, false].map(run);
-        let [a, b] = [asleep.positions(), awake.positions()];
+        let [a, b] = [asleep.bodies().positions(), awake.bodies().positions()];
         for (a, b) in a.iter().zip(&b) {
             assert!((a[0] - b[0]).abs() < 1e-2 && (a[1] - b[1]).abs() < 1e-2, "{a:?} {b:?}");
         }
@@ -356,16 +359,16 @@ fn changes_wake() {
         settings.method = Method::Brute;
         settings.tree = Settings { leaf_capacity: 3, max_depth: 9, threads: Some(2) };
     });
-    assert_eq!(world.asleep(), all, "these settings change no result");
+    assert_eq!(world.bodies().asleep(), all, "these settings change no result");
     world.edit(|_| Ok(())).unwrap();
-    assert_eq!(world.asleep(), all, "nothing changed");
+    assert_eq!(world.bodies().asleep(), all, "nothing changed");
     world
         .edit(|of| {
             of.velocities[4] = [0.0, 1.0];
             Ok(())
         })
         .unwrap();
-    assert_eq!(world.asleep(), [true, true, true, false, false, false]);
+    assert_eq!(world.bodies().asleep(), [true, true, true, false, false, false]);
     assert!(!world.contacts().unwrap().is_empty());
     let changes: [fn(&mut WorldSettings); 6] = [
         |settings| settings.gravity = [0.0, -9.0],
@@ -405,7 +408,7 @@ fn without_the_floor_a_pile_falls() {
     sleep(&mut world);
     change(&mut world, |settings| settings.container = Container::None);
     run(&mut world, 60);
-    assert!(world.positions().iter().all(|position| position[1] < -2.0));
+    assert!(world.bodies().positions().iter().all(|position| position[1] < -2.0));
 }
 
 #[test]
@@ -415,14 +418,14 @@ fn a_disc_falls_when_the_immovable_one_under_it_is_removed_or_moved() {
         all.movable[0] = false;
         let mut world = world(with_friction(all, 0.5));
         run(&mut world, 120);
-        assert_eq!(world.asleep(), [false, true]);
+        assert_eq!(world.bodies().asleep(), [false, true]);
         assert_eq!(world.contacts().unwrap()[0].pair, [0, 1]);
         world
     };
     let mut removed = make();
     removed.remove(&[0]).unwrap();
     run(&mut removed, 30);
-    assert!(removed.positions()[0][1] < 21.5);
+    assert!(removed.bodies().positions()[0][1] < 21.5);
     let mut moved = make();
     moved
         .edit(|all| {
@@ -431,7 +434,7 @@ fn a_disc_falls_when_the_immovable_one_under_it_is_removed_or_moved() {
         })
         .unwrap();
     run(&mut moved, 30);
-    assert!(moved.positions()[1][1] < 21.5);
+    assert!(moved.bodies().positions()[1][1] < 21.5);
 }
 
 #[test]
@@ -439,20 +442,20 @@ fn ids_stay_when_particles_are_removed() {
     let mut world = triangles(&[-20.0, 0.0, 20.0]);
     sleep(&mut world);
     world.add(still(&[[-10.0, 50.0], [10.0, 60.0]], 0.5)).unwrap();
-    let before = world.particles();
+    let before = world.bodies().particles();
     world.remove(&[0, 9]).unwrap();
-    assert_eq!(world.asleep(), [false, false, true, true, true, true, true, true, false]);
+    assert_eq!(world.bodies().asleep(), [false, false, true, true, true, true, true, true, false]);
     let rows = [1, 2, 3, 4, 5, 6, 7, 8, 10];
-    let row_of = |world: &World, id| world.rows_of(&[id]).unwrap()[0] as usize;
-    assert_eq!(world.ids(), rows.map(|row| row as jostle_base::Id));
-    assert_eq!(world.positions(), rows.map(|row| before.positions[row]));
+    let row_of = |world: &World, id| world.bodies().rows_of(&[id]).unwrap()[0] as usize;
+    assert_eq!(world.bodies().ids(), rows.map(|row| row as jostle_base::Id));
+    assert_eq!(world.bodies().positions(), rows.map(|row| before.positions[row]));
     for touch in world.contacts().unwrap() {
-        let [a, b] = touch.pair.map(|id| world.positions()[row_of(&world, id)]);
+        let [a, b] = touch.pair.map(|id| world.bodies().positions()[row_of(&world, id)]);
         let distance = (b[0] - a[0]).hypot(b[1] - a[1]);
         assert!((distance - 2.0).abs() < 0.02, "{touch:?}");
     }
     for touch in world.wall_contacts() {
-        assert!(world.positions()[row_of(&world, touch.id)][1] < 1.1);
+        assert!(world.bodies().positions()[row_of(&world, touch.id)][1] < 1.1);
     }
     let kept = World::restore(&world.snapshot()).unwrap();
     assert_eq!(kept.snapshot(), world.snapshot());
@@ -469,9 +472,9 @@ fn a_failed_step_leaves_all_asleep() {
     ball.velocities[0] = [0.0, -1.0];
     ball.masses[0] = 1e30;
     world.add(ball).unwrap();
-    let before = (world.snapshot(), world.asleep());
+    let before = (world.snapshot(), world.bodies().asleep());
     world.step(1e12, 1).expect_err("it is too far");
-    assert_eq!((world.snapshot(), world.asleep()), before);
+    assert_eq!((world.snapshot(), world.bodies().asleep()), before);
     let mut interrupted = 0;
     loop {
         LEFT.store(interrupted, Ordering::Relaxed);
@@ -480,11 +483,11 @@ fn a_failed_step_leaves_all_asleep() {
         if jostle_base::interrupt::watch(poll, step).is_ok() {
             break;
         }
-        assert_eq!((world.snapshot(), world.asleep()), before);
+        assert_eq!((world.snapshot(), world.bodies().asleep()), before);
         interrupted += 1;
     }
     assert!(interrupted > 8, "{interrupted}");
-    assert_eq!(world.asleep(), [false, false, false, true, true, true, false]);
+    assert_eq!(world.bodies().asleep(), [false, false, false, true, true, true, false]);
 }
 
 #[test]
@@ -494,13 +497,13 @@ fn a_torus_wakes_across_its_seams() {
     all.movable[0] = false;
     let mut world = world_of(with_friction(all, 0.5), WorldSettings { container, ..settings() });
     run(&mut world, 120);
-    assert_eq!(world.asleep(), [false, true]);
+    assert_eq!(world.bodies().asleep(), [false, true]);
     let mut ball = still(&[[4.0, 22.0]], 0.5);
     ball.velocities[0] = [-12.0, 0.0];
     world.add(ball).unwrap();
     run(&mut world, 30);
-    assert_eq!(world.asleep(), [false; 3]);
-    assert!(world.velocities()[1][0] < -0.5, "{:?}", world.velocities());
+    assert_eq!(world.bodies().asleep(), [false; 3]);
+    assert!(world.bodies().velocities()[1][0] < -0.5, "{:?}", world.bodies().velocities());
 }
 
 /// A long story with sleeping, waking, adding, removing and editing. `observe` may replace the world
@@ -533,12 +536,12 @@ fn story(all: Particles, start: WorldSettings, observe: &dyn Fn(World) -> World)
                 Ok(())
             }),
             3 => {
-                let all = world.particles();
+                let all = world.bodies().particles();
                 let rows = (0..all.len()).filter(|&row| all.movable[row]);
                 let order =
                     |&a: &usize, &b: &usize| all.positions[a][0].total_cmp(&all.positions[b][0]);
                 let row = rows.min_by(order).expect("there is one");
-                world.remove(&[world.ids()[row]])
+                world.remove(&[world.bodies().ids()[row]])
             }
             _ => Ok(()),
         }
@@ -565,7 +568,7 @@ fn sleeping_does_not_show_how_it_is_computed() {
             assert_eq!(again.snapshot(), world.snapshot());
             assert_eq!(again.contacts().unwrap(), world.contacts().unwrap());
             assert_eq!(again.wall_contacts(), world.wall_contacts());
-            assert_eq!(again.asleep(), world.asleep());
+            assert_eq!(again.bodies().asleep(), world.bodies().asleep());
             assert_eq!(again.momentum(), world.momentum());
             again
         };
@@ -604,7 +607,7 @@ fn changing_a_few_is_changing_all_of_which_a_few_differ() {
                 Ok(())
             })
             .unwrap();
-        assert_eq!(world.asleep(), other.asleep());
+        assert_eq!(world.bodies().asleep(), other.bodies().asleep());
         for _ in 0..3 {
             assert_eq!(world.snapshot(), other.snapshot(), "seed {seed}");
             run(&mut world, 20);
@@ -622,11 +625,12 @@ fn the_order_of_adding_does_not_change_who_sleeps() {
     for _ in 0..40 {
         run(&mut a, 13);
         run(&mut b, 13);
-        let (p, q) = (a.particles(), b.particles());
+        let (p, q) = (a.bodies().particles(), b.bodies().particles());
         let again = gathered(&p, &order);
         assert!(again == q);
-        let asleep: Vec<bool> = order.iter().map(|&row| a.asleep()[row as usize]).collect();
-        assert_eq!(asleep, b.asleep());
+        let asleep: Vec<bool> =
+            order.iter().map(|&row| a.bodies().asleep()[row as usize]).collect();
+        assert_eq!(asleep, b.bodies().asleep());
     }
     assert!(count(&a) > 0);
 }

@@ -13,7 +13,7 @@ use crate::common::worlds::{boxed, forced, restored, run, still};
 
 /// All that can be asked of a world.
 fn assert_same(a: &World, b: &World, of: &str) {
-    assert!(a.particles() == b.particles(), "{of}: particles");
+    assert!(a.bodies().particles() == b.bodies().particles(), "{of}: particles");
     assert_eq!(a.settings(), b.settings(), "{of}");
     assert_eq!(a.forces(), b.forces(), "{of}");
     assert_eq!(a.contacts().unwrap(), b.contacts().unwrap(), "{of}");
@@ -259,13 +259,13 @@ proptest! {
             settings.substeps = settings.substeps.map(|asked| asked.min(4)); // it may be 2³²
             prop_assert!(world.configure(settings).is_ok());
             prop_assert!(world.contacts().is_ok());
-            prop_assert!(world.rows_of(&world.ids()).is_ok());
+            prop_assert!(world.bodies().rows_of(&world.bodies().ids()).is_ok());
             let more = still(&[[1.0; 2]], 0.1);
             if let Ok(added) = world.add(more) {
-                prop_assert!(world.contains(added.start));
+                prop_assert!(world.bodies().contains(added.start));
             }
             let _ = world.step(1e-3, 1);
-            let first: Vec<_> = world.ids().into_iter().take(1).collect();
+            let first: Vec<_> = world.bodies().ids().into_iter().take(1).collect();
             prop_assert!(world.remove(&first).is_ok());
         }
     }

@@ -57,7 +57,11 @@ fn asleep() -> World {
     world.set_walls(vec![shelf, Wall::new([[18.0, 2.0], [19.0, 3.0]])]).expect("valid");
     world.remove(&[5]).expect("it is there");
     run(&mut world, 150);
-    assert!(world.asleep().iter().filter(|&&asleep| asleep).count() > 4, "{:?}", world.asleep());
+    assert!(
+        world.bodies().asleep().iter().filter(|&&asleep| asleep).count() > 4,
+        "{:?}",
+        world.bodies().asleep()
+    );
     let mut flying = discs(&[([16.0, 5.0], [1.0, -2.0]), ([14.0, 9.0], [0.5, 4.0])], 0.5);
     flying.movable[1] = true;
     world.add(flying).expect("valid");

@@ -195,9 +195,9 @@ fn each_stage_of_a_step_gives_its_pinned_bits() {
 fn sleepers_are_among_the_pinned_steps() {
     let mut world = sleepers();
     run(&mut world, STEPS[1]);
-    assert!(!world.asleep().contains(&true));
+    assert!(!world.bodies().asleep().contains(&true));
     run(&mut world, STEPS[2] - STEPS[1]);
-    let asleep = world.asleep().iter().filter(|&&asleep| asleep).count();
+    let asleep = world.bodies().asleep().iter().filter(|&&asleep| asleep).count();
     assert!((2..12).contains(&asleep), "{asleep}");
 }
 

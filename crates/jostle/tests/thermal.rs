@@ -125,7 +125,7 @@ fn each_line_segment_has_its_own_temperature() {
     // Without collisions the discs that move up come from the cold wall: v has the density of the
     // flux over v.
     for (sign, temperature) in [(1.0, 1.0), (-1.0, 9.0)] {
-        let all = world.velocities().into_iter().step_by(2);
+        let all = world.bodies().velocities().into_iter().step_by(2);
         let own = all.map(|v| sign * f64::from(v[1])).filter(|v| *v > 0.0);
         let scaled = own.map(|v| v / f64::sqrt(temperature)).collect();
         let distance = kolmogorov_smirnov(scaled, |x| 2.0 * normal(x) - 1.0);
@@ -146,7 +146,7 @@ fn a_gas_gets_the_temperature_of_a_bath() {
 fn check_temperature(world: &World, name: &str) {
     for (parity, mass) in [(0, 1.0f64), (1, 4.0)] {
         for axis in [0, 1] {
-            let of = world.velocities().into_iter().skip(parity).step_by(2);
+            let of = world.bodies().velocities().into_iter().skip(parity).step_by(2);
             let scaled = of.map(|v| f64::from(v[axis]) * (mass / f64::from(KT)).sqrt());
             let distance = kolmogorov_smirnov(scaled.collect(), normal);
             assert!(distance < 1.95, "{name}: {distance}, mass {mass}, axis {axis}");
@@ -171,13 +171,14 @@ fn a_disc_leaves_a_wall_as_from_a_gas() {
     let mut world = forced(all, vec![hot], settings);
     world.step(0.5, 1).unwrap();
     let scale = (2.0 / f64::from(KT)).sqrt();
-    let column = |k: usize| world.velocities().iter().map(|v| f64::from(v[k]) * scale).collect();
+    let column =
+        |k: usize| world.bodies().velocities().iter().map(|v| f64::from(v[k]) * scale).collect();
     let normal_speeds: Vec<f64> = column(0);
     assert!(kolmogorov_smirnov(normal_speeds, |v| 1.0 - (-0.5 * v * v).exp()) < 1.95);
     assert!(kolmogorov_smirnov(column(1), normal) < 1.95);
     // The impulses of the wall are the changes of momentum.
     for touch in world.wall_contacts() {
-        let [speed, _] = world.velocities()[touch.id as usize];
+        let [speed, _] = world.bodies().velocities()[touch.id as usize];
         assert!((touch.normal_impulse - 2.0 * (speed + 10.0)).abs() < 1e-3);
     }
     assert_eq!(world.wall_contacts().len(), n);
@@ -199,7 +200,7 @@ fn a_disc_leaves_a_moving_line_segment_as_from_a_gas() {
         let scale = (2.0 / f64::from(KT)).sqrt();
         let column = |k: usize, sign: f64| {
             let own = move |v: [f32; 2]| sign * (f64::from(v[k]) - f64::from(carried[k])) * scale;
-            world.velocities().into_iter().map(own).collect::<Vec<f64>>()
+            world.bodies().velocities().into_iter().map(own).collect::<Vec<f64>>()
         };
         let leaving = column(0, f64::from(x));
         assert!(kolmogorov_smirnov(leaving, |v| 1.0 - (-0.5 * v * v).exp()) < 1.95, "{x}");
@@ -217,11 +218,11 @@ fn other_sides_stay_elastic() {
     for velocity in [[-8.0, 0.0], [0.0, -8.0], [0.0, 8.0]] {
         let mut world = forced(disc(velocity), vec![hot.clone()], settings);
         world.step(0.75, 1).unwrap();
-        assert_eq!(world.velocities(), [velocity.map(|v| 0.0 - v)]);
+        assert_eq!(world.bodies().velocities(), [velocity.map(|v| 0.0 - v)]);
     }
     let mut world = forced(disc([8.0, 0.0]), vec![hot], settings);
     world.step(0.75, 1).unwrap();
-    let [[u, v]] = world.velocities()[..] else { panic!("one disc") };
+    let [[u, v]] = world.bodies().velocities()[..] else { panic!("one disc") };
     assert!(u < 0.0 && u != -8.0 && v != 0.0);
 }
 
@@ -237,7 +238,7 @@ fn a_thermal_floor_holds_an_atmosphere() {
     all.velocities.iter_mut().for_each(|v| *v = [v[0], 0.0]);
     let mut world = forced(all, vec![walls([false, false, true, false], 2)], settings);
     world.step(0.25, 160).unwrap();
-    let heights = world.positions().into_iter().map(|p| f64::from(p[1] - 0.3));
+    let heights = world.bodies().positions().into_iter().map(|p| f64::from(p[1] - 0.3));
     let found = kolmogorov_smirnov(heights.collect(), |z| 1.0 - (-10.0 * z / f64::from(KT)).exp());
     assert!(found < 1.95, "{found}");
 }
@@ -276,8 +277,8 @@ fn it_does_not_show_how_they_are_computed() {
     let order: Vec<u32> = (0..400).map(|at| at * 137 % 400).collect();
     let mut other = busy(WorldSettings::default(), &order);
     run(&mut other, 120);
-    let permuted = gathered(&expected.particles(), &order);
-    assert!(other.particles() == permuted, "the order of adding");
+    let permuted = gathered(&expected.bodies().particles(), &order);
+    assert!(other.bodies().particles() == permuted, "the order of adding");
     let mut again = busy(WorldSettings::default(), &straight);
     again.set_forces(vec![walls(ALL, 5)]).unwrap();
     run(&mut again, 120);

@@ -48,8 +48,9 @@ fn both(
 fn check(worlds: &[World; 2], count: usize, size: [f32; 2], tolerance: f64, name: &str) {
     let [torus, plane] = worlds;
     for k in 0..count {
-        let [x, y] = difference([torus, plane].map(|world| world.positions()[k]), size);
-        let [[u, v], [p, q]] = [torus, plane].map(|world| world.velocities()[k].map(f64::from));
+        let [x, y] = difference([torus, plane].map(|world| world.bodies().positions()[k]), size);
+        let [[u, v], [p, q]] =
+            [torus, plane].map(|world| world.bodies().velocities()[k].map(f64::from));
         let (far, fast) = (x.hypot(y), (u - p).hypot(v - q));
         assert!(far < tolerance && fast < 30.0 * tolerance, "{name}: disc {k}: {far} {fast}");
     }
@@ -138,7 +139,8 @@ fn a_disc_rolls_over_the_boundary_without_a_bump() {
             let mut world = walled(disc, walls.clone(), on(size, falling(restitution)));
             for step in 0..120 {
                 run(&mut world, 1);
-                let ([_, y], [u, v]) = (world.positions()[0], world.velocities()[0]);
+                let ([_, y], [u, v]) =
+                    (world.bodies().positions()[0], world.bodies().velocities()[0]);
                 let at = format!("{name} e {restitution} speed {speed} step {step}: {y} {u} {v}");
                 assert!((y - 6.0).abs() < 1e-5 && v.abs() < 0.2, "{at}");
                 assert!((u / speed - 1.0).abs() < 1e-5, "{at}");
@@ -164,7 +166,7 @@ fn a_disc_may_touch_two_images_of_a_wall() {
     let mut rests =
         walled(discs(&[([0.3, 7.0], [0.0; 2])], 2.5), walls.to_vec(), on(size, falling(0.3)));
     run(&mut rests, 900);
-    let [x, y] = rests.positions()[0];
+    let [x, y] = rests.bodies().positions()[0];
     let x = difference([[0.0; 2], [x, y]], size)[0];
     assert!(x.abs() < 1e-2 && (y - 4.5).abs() < 1e-2, "{x} {y}");
 }
@@ -190,7 +192,7 @@ fn nothing_leaves_a_polygon_at_the_boundary() {
         let before = world.kinetic_energy();
         for step in 0..100 {
             run(&mut world, 1);
-            for at in world.positions() {
+            for at in world.bodies().positions() {
                 let [x, y] = difference([[0.0; 2], at], size);
                 for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
                     let [u, v] = [0, 1].map(|k| f64::from(b[k] - a[k]));
@@ -241,8 +243,8 @@ fn they_do_not_show_how_they_are_computed() {
         let order: Vec<u32> = (0..300).map(|k| (k * 77 + 5) % 300).collect();
         let mut mixed = crowd(300, settings, Some(&order));
         run(&mut mixed, 40);
-        let particles = gathered(&expected.particles(), &order);
-        assert!(mixed.particles() == particles, "the order of adding");
+        let particles = gathered(&expected.bodies().particles(), &order);
+        assert!(mixed.bodies().particles() == particles, "the order of adding");
     }
 }
 

@@ -1,7 +1,7 @@
 //! The columns of the particles as properties.
 
 use jostle_base::Error;
-use jostle_world::{Changes, World};
+use jostle_world::{Bodies, Changes, World};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -38,30 +38,30 @@ columns! {
     /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
     /// ``world.positions = world.positions + 1``, or change some particles with
     /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
-    positions, set_positions: PyArray2<f32> = vectors(World::positions);
+    positions, set_positions: PyArray2<f32> = vectors(Bodies::positions);
 
     /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
     /// second.
     ///
     /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
     /// or change some particles with ``world.set([0], velocities=[(7, 7)])``.
-    velocities, set_velocities: PyArray2<f32> = vectors(World::velocities);
+    velocities, set_velocities: PyArray2<f32> = vectors(Bodies::velocities);
 
     /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
     ///
     /// To change all, assign an array or one number; to change some, use `set`. Masses stay
     /// the same.
-    radii, set_radii: PyArray1<f32> = column(World::radii);
+    radii, set_radii: PyArray1<f32> = column(Bodies::radii);
 
     /// Masses: ndarray of float32, shape (n,), a read-only copy in units of mass.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
-    masses, set_masses: PyArray1<f32> = column(World::masses);
+    masses, set_masses: PyArray1<f32> = column(Bodies::masses);
 
     /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
-    restitutions, set_restitutions: PyArray1<f32> = column(World::restitutions);
+    restitutions, set_restitutions: PyArray1<f32> = column(Bodies::restitutions);
 
     /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
     ///
@@ -69,7 +69,7 @@ columns! {
     /// kinematic.
     ///
     /// To change all, assign an array or one bool; to change some, use `set`.
-    movable, set_movable: PyArray1<bool> = column(World::movable);
+    movable, set_movable: PyArray1<bool> = column(Bodies::movable);
 
     /// Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
     ///
@@ -88,7 +88,7 @@ columns! {
     /// >>> world.set(1, friction=0.8)
     /// >>> world.friction
     /// array([0.5, 0.8], dtype=float32)
-    friction, set_friction: PyArray1<f32> = column(World::friction);
+    friction, set_friction: PyArray1<f32> = column(Bodies::friction);
 
     /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
     ///
@@ -107,7 +107,7 @@ columns! {
     /// >>> world.step(0.25, steps=8)
     /// >>> world.angles
     /// array([1.], dtype=float32)
-    angles, set_angles: PyArray1<f32> = column(World::angles);
+    angles, set_angles: PyArray1<f32> = column(Bodies::angles);
 
     /// Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
     ///
@@ -122,7 +122,7 @@ columns! {
     /// See Also
     /// --------
     /// angles : The angles that follow from them.
-    angular_velocities, set_angular_velocities: PyArray1<f32> = column(World::angular_velocities);
+    angular_velocities, set_angular_velocities: PyArray1<f32> = column(Bodies::angular_velocities);
 
     /// Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
     ///
@@ -185,7 +185,7 @@ columns! {
     /// (array([[0, 1]]), array([[0, 1]]))
     /// >>> world.velocities[0]
     /// array([900.,   0.], dtype=float32)
-    sensors, set_sensors: PyArray1<bool> = column(World::sensors);
+    sensors, set_sensors: PyArray1<bool> = column(Bodies::sensors);
 }
 
 #[pymethods]
@@ -224,7 +224,7 @@ impl PyWorld {
     /// array([ True, False])
     #[getter]
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        self.column(py, World::asleep)
+        self.column(py, Bodies::asleep)
     }
 }
 
@@ -233,18 +233,18 @@ impl PyWorld {
     fn vectors<'py>(
         &self,
         py: Python<'py>,
-        of: fn(&World) -> Vec<[f32; 2]>,
+        of: fn(&Bodies) -> Vec<[f32; 2]>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        Ok(read_only(table(py, self.long(py, |state| of(&state.world))?)?))
+        Ok(read_only(table(py, self.long(py, |state| of(state.world.bodies()))?)?))
     }
 
     /// A read-only copy of a column.
     fn column<'py, V: Element>(
         &self,
         py: Python<'py>,
-        of: fn(&World) -> Vec<V>,
+        of: fn(&Bodies) -> Vec<V>,
     ) -> PyResult<Bound<'py, PyArray1<V>>> {
-        Ok(read_only(column(py, self.long(py, |state| of(&state.world))?)))
+        Ok(read_only(column(py, self.long(py, |state| of(state.world.bodies()))?)))
     }
 
     /// Replaces whole columns.

@@ -33,7 +33,7 @@ impl PyWorld {
     /// array([1, 2, 3])
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
-        let ids = self.long(py, |state| state.world.ids())?;
+        let ids = self.long(py, |state| state.world.bodies().ids())?;
         Ok(read_only(column(py, ids)))
     }
 
@@ -69,7 +69,7 @@ impl PyWorld {
     /// array([9., 0.], dtype=float32)
     fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;
-        let rows = ids.result_of(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
+        let rows = ids.result_of(self.long(py, |state| state.world.bodies().rows_of(&ids.all))?)?;
         if ids.single {
             rows[0].into_bound_py_any(py)
         } else {

@@ -93,7 +93,8 @@ impl PyWorld {
     /// two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let (forces, kinds) = self.long(py, |state| (state.world.forces(), state.world.kinds()))?;
+        let (forces, kinds) =
+            self.long(py, |state| (state.world.forces(), state.world.bodies().kinds()))?;
         forces::show(py, forces, &kinds)
     }
 

@@ -1,6 +1,7 @@
 //! The part of a distributed world that one rank has, for `jostle.mpi`.
 
 use jostle_world::StateHash;
+use jostle_world::ranks;
 use jostle_world::ranks::{Traffic, read_records};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -28,14 +29,14 @@ impl PyWorld {
         let (communicator, ids) = (PyCommunicator::new(communicator)?, ids.as_array().to_vec());
         let done = detached(py, || {
             let mut state = self.state.lock()?;
-            PyResult::Ok(state.world.distribute(Box::new(communicator), ids))
+            PyResult::Ok(ranks::distribute(&mut state.world, Box::new(communicator), ids))
         })??;
         done.map_err(refused)
     }
 
     /// Raise ValueError for what a distributed world cannot do. For `jostle.mpi`.
     fn _check_distributable(&self, py: Python<'_>) -> PyResult<()> {
-        self.state(py)?.world.check_distributable().map_err(refused)
+        ranks::check_distributable(&self.state(py)?.world).map_err(refused)
     }
 
     /// The number of sub-steps that was given, or None. For `jostle.mpi`.
@@ -45,7 +46,7 @@ impl PyWorld {
 
     /// Find out what the automatic number of sub-steps depends on. For `jostle.mpi`.
     fn _agree_on_losses(&self, py: Python<'_>) -> PyResult<()> {
-        self.long(py, |state| state.world.agree_on_losses())?.map_err(refused)
+        self.long(py, |state| ranks::agree_on_losses(&mut state.world))?.map_err(refused)
     }
 
     /// Make a step of a distributed world. For `jostle.mpi`.
@@ -82,12 +83,12 @@ impl PyWorld {
     /// This rank's part in the energy of forces between kinds. No step is possible after it. For
     /// `jostle.mpi`.
     fn _own_energy_of_pairs(&self, py: Python<'_>) -> PyResult<f64> {
-        self.long(py, |state| state.world.own_energy_of_pairs())?.map_err(refused)
+        self.long(py, |state| ranks::own_energy_of_pairs(&mut state.world))?.map_err(refused)
     }
 
     /// The numbers of this rank's part. For `jostle.mpi`.
     fn _own<'py>(&self, py: Python<'py>) -> PyResult<Option<Numbers<'py>>> {
-        let own = self.long(py, |state| state.world.own_particles())?;
+        let own = self.long(py, |state| ranks::own_particles(&state.world))?;
         Ok(own.map(|own| {
             let Traffic { calls, messages, bytes } = own.traffic;
             let numbers = [calls, messages, bytes, own.repeats, own.rebalances];
@@ -99,20 +100,20 @@ impl PyWorld {
     /// `jostle.mpi`.
     fn _counts(&self, py: Python<'_>) -> PyResult<(usize, usize, usize)> {
         let world = &self.state(py)?.world;
-        let (own, all) = world.own_and_all();
-        Ok((own, all, world.own_awake()))
+        let (own, all) = ranks::own_and_all(&world);
+        Ok((own, all, ranks::own_awake(&world)))
     }
 
     /// The ids of the own particles, and the id that is given next. For `jostle.mpi`.
     fn _own_ids<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray1<i64>>, i64)> {
-        let (ids, next) = self.long(py, |state| state.world.own_ids())?;
+        let (ids, next) = self.long(py, |state| ranks::own_ids(&state.world))?;
         Ok((column(py, ids), next))
     }
 
     /// Replace the ids, and the id that is given next. For `jostle.mpi`.
     fn _set_ids(&self, py: Python<'_>, ids: PyReadonlyArray1<'_, i64>, next: i64) -> PyResult<()> {
         let ids = ids.as_array().to_vec();
-        self.long(py, |state| state.world.set_ids(&ids, next))?.map_err(refused)
+        self.long(py, |state| ranks::set_ids(&mut state.world, &ids, next))?.map_err(refused)
     }
 
     /// Add the particles of records to this rank, with these ids; so many on all ranks. For
@@ -125,28 +126,28 @@ impl PyWorld {
         count: usize,
     ) -> PyResult<()> {
         let ids = ids.as_array().to_vec();
-        self.long(py, |state| state.world.add_of_ranks(records, &ids, count))?.map_err(refused)
+        self.long(py, |state| ranks::add(&mut state.world, records, &ids, count))?.map_err(refused)
     }
 
     /// Remove the particles with these ids, which all ranks give. For `jostle.mpi`.
     fn _remove_ids(&self, py: Python<'_>, ids: PyReadonlyArray1<'_, i64>) -> PyResult<()> {
         let ids = ids.as_array().to_vec();
-        self.long(py, |state| state.world.remove_of_ranks(&ids))?.map_err(refused)
+        self.long(py, |state| ranks::remove(&mut state.world, &ids))?.map_err(refused)
     }
 
     /// Remove the copies of particles of other ranks. For `jostle.mpi`.
     fn _drop_ghosts(&self, py: Python<'_>) -> PyResult<()> {
-        self.long(py, |state| state.world.drop_ghosts())
+        self.long(py, |state| ranks::drop_ghosts(&mut state.world))
     }
 
     /// The own particles as records. For `jostle.mpi`.
     fn _own_records<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &self.long(py, |state| state.world.own_records())?))
+        Ok(PyBytes::new(py, &self.long(py, |state| ranks::own_records(&state.world))?))
     }
 
     /// What is kept of the own particles from step to step, as in `jostle.mpi.records`. For `jostle.mpi`.
     fn _own_kept<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 5]> {
-        let all = self.long(py, |state| state.world.own_kept())?;
+        let all = self.long(py, |state| ranks::own_kept(&state.world))?;
         Ok(all.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
@@ -161,12 +162,12 @@ impl PyWorld {
         touches: &[u8],
     ) -> PyResult<()> {
         let all = [kept, resting, pushes, members, touches];
-        self.long(py, |state| state.world.take_kept(all))?.map_err(refused)
+        self.long(py, |state| ranks::take_kept(&mut state.world, all))?.map_err(refused)
     }
 
     /// The pairs of sleeping islands that touched, each on one rank. For `jostle.mpi`.
     fn _own_touches_asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        results::world_contacts(py, self.long(py, |state| state.world.own_touches_asleep())?)
+        results::world_contacts(py, self.long(py, |state| ranks::own_touches_asleep(&state.world))?)
     }
 
     /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.
@@ -185,19 +186,19 @@ impl PyWorld {
 
     /// A world like this one with the particles of records. For `jostle.mpi`.
     fn _of_records(&self, py: Python<'_>, records: &[u8]) -> PyResult<Self> {
-        let world = self.long(py, |state| state.world.of_records(records))?;
+        let world = self.long(py, |state| ranks::of_records(&state.world, records))?;
         Ok(Self::of(world.map_err(refused)?))
     }
 
     /// Choose domains again after so many steps. For tests.
     fn _rebalance_every(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
-        self.state(py)?.world.rebalance_every(steps);
+        ranks::rebalance_every(&mut self.state(py)?.world, steps);
         Ok(())
     }
 
     /// Tell the time that this rank needs for each particle. For `jostle.mpi`.
     fn _set_work(&self, py: Python<'_>, work: f64) -> PyResult<()> {
-        self.state(py)?.world.set_work(work);
+        ranks::set_work(&mut self.state(py)?.world, work);
         Ok(())
     }
 }

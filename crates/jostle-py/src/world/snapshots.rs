@@ -1,9 +1,9 @@
 //! Snapshots, files and pickles.
 
+use jostle_world::ranks;
 use std::path::Path;
 
 use jostle_base::Error;
-use jostle_world::World;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyString, PyType};
@@ -85,7 +85,7 @@ impl PyWorld {
             return Err(type_error("data", "bytes", data));
         };
         let bytes = bytes.as_bytes();
-        Ok(Self::of(py.detach(|| World::restore(bytes)).map_err(refused)?))
+        Ok(Self::of(py.detach(|| ranks::restore(bytes)).map_err(refused)?))
     }
 
     /// A text that the world keeps and does not read: str, or None, the default. It may be assigned.
@@ -190,9 +190,9 @@ impl PyWorld {
     fn load(class: &Bound<'_, PyType>, path: FilePath) -> PyResult<Self> {
         let (py, path) = (class.py(), path.0);
         let bytes = files::read(py, &path, |head, size| {
-            World::check_head(head, size).map_err(|error| in_file(&path, &error))
+            ranks::check_head(head, size).map_err(|error| in_file(&path, &error))
         })?;
-        let world = py.detach(|| World::restore(&bytes));
+        let world = py.detach(|| ranks::restore(&bytes));
         Ok(Self::of(world.map_err(|error| in_file(&path, &error))?))
     }
 

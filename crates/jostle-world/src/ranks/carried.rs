@@ -1,13 +1,16 @@
 //! Serialization of what the solver keeps of particles from step to step, for a distributed world: the impulses for
 //! warm starting, how each particle has moved, and which sleep.
 
+use super::domain::{domain_of, domain_of_mut};
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 
 use super::islands::SleepingContact;
 use crate::contacts::Contact;
 use crate::world::World;
 use crate::world::asleep::Sleepers;
-use crate::world::discs::Persistent;
+use crate::world::bodies::discs::Persistent;
 use crate::world::touches::{Touch, WallImpulse, touch_of};
 use jostle_base::bytes::{Plain, Reader, append, damaged, read_all};
 use jostle_base::error::Result;
@@ -111,243 +114,248 @@ pub(crate) type Member = [Id; 2];
 /// [`SleepingContact`].
 pub(crate) type Parts<'a> = [&'a [u8]; 5];
 
-impl World {
-    /// Keeps the impulses of the contacts at rest of own particles, before ghosts are removed.
-    pub(crate) fn keep_resting(&mut self) {
-        if self.domain().is_some_and(|domain| domain.has_contacts) {
-            let resting = self.resting_of_own();
-            let domain = self.domain_mut();
-            (domain.resting, domain.has_contacts) = (resting, false);
+/// Keeps the impulses of the contacts at rest of own particles, before ghosts are removed.
+pub(super) fn keep_resting(world: &mut World) {
+    if domain_of(world).is_some_and(|domain| domain.has_contacts) {
+        let resting = resting_of_own(world);
+        let domain = domain_of_mut(world);
+        (domain.resting, domain.has_contacts) = (resting, false);
+    }
+}
+
+/// The contacts at rest that own particles had after the last step.
+fn resting_of_own(world: &World) -> Vec<Resting> {
+    let World { bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, contacts, .. } = world;
+    let Some(domain) = domain_of(world) else { return Vec::new() };
+    if !domain.has_contacts {
+        return domain.resting.clone();
+    }
+    let ids = &domain.ids;
+    let resting = |contact: &Contact| {
+        // Impulses across the sides of a torus are not kept.
+        if contact.impulse <= 0.0 || contact.image != [0.0; 2] {
+            return None;
+        }
+        let mut indices = contact.indices.map(|index| index as usize);
+        indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
+        let both = indices.map(|at| rows[at]);
+        // The rank of an immovable particle may lack neighbours of the movable one. Then its
+        // impulse of this contact is not the right one.
+        let both_move = particles.movable[indices[1]];
+        let is_known = domain.owns(both[0]) || both_move && domain.owns(both[1]);
+        is_known.then(|| Resting {
+            ids: both.map(|row| ids[row as usize]),
+            rows: both.map(|row| if domain.owns(row) { row } else { NONE }),
+            impulses: [contact.impulse, contact.friction_impulse],
+        })
+    };
+    contacts.lasting().filter_map(resting).collect()
+}
+
+/// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of its
+/// first particle; the pushes of walls; which sleep; and the contacts of these.
+pub fn own_kept(world: &World) -> [Vec<u8>; 5] {
+    let mut bytes = [vec![], vec![], vec![], vec![], vec![]];
+    let Some(domain) = domain_of(world) else { return bytes };
+    let [kept, resting, pushes, members, touches] = &mut bytes;
+    for (index, &row) in
+        world.bodies.awake.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row))
+    {
+        put_kept(kept, domain.id(row), &world.bodies.awake.persistent, index);
+    }
+    let all = resting_of_own(world);
+    all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| append(resting, *of));
+    for of in world.wall_impulses.iter().filter(|of| domain.owns(of.row)) {
+        put_push(pushes, domain.id(of.row), of);
+    }
+    let Sleepers { discs, islands, .. } = world.bodies.asleep.sleepers();
+    for island in world.bodies.asleep.islands().map(|number| &islands[number as usize]) {
+        for at in island.particles.clone().map(|at| at as usize) {
+            let id = domain.id(discs.rows[at]);
+            put_kept(kept, id, &discs.persistent, at);
+            append::<Member>(members, [id, island.name]);
         }
     }
+    for of in world.bodies.asleep.wall_impulses() {
+        append(pushes, Push::new(domain.id(of.row), of));
+    }
+    own_sleeping_contacts(world).for_each(|of| append(touches, *of));
+    bytes
+}
 
-    /// The contacts at rest that own particles had after the last step.
-    fn resting_of_own(&self) -> Vec<Resting> {
-        let Self { contacts, particles, rows, .. } = self;
-        let Some(domain) = self.domain() else { return Vec::new() };
-        if !domain.has_contacts {
-            return domain.resting.clone();
+/// The contacts of sleeping particles of which the first is an own one.
+pub(super) fn own_sleeping_contacts(world: &World) -> impl Iterator<Item = &SleepingContact> {
+    let domain = domain_of(world);
+    let id = |row: u32| domain.map_or(0, |domain| domain.id(row));
+    let mut ids: Vec<Id> = world.bodies.asleep.rows().map(id).collect();
+    ids.sort_unstable();
+    let all = domain.map_or(&[][..], |domain| &domain.sleeping);
+    all.iter().filter(move |of| ids.binary_search(&of.ids[0]).is_ok())
+}
+
+/// Of a distributed world: the pairs of sleeping islands, as in the last step in which these were awake,
+/// with the ids among the particles of all ranks. Each is on one rank.
+pub fn own_touches_asleep(world: &World) -> Vec<Touch> {
+    let touched = own_sleeping_contacts(world).filter(|of| of.contact.touched);
+    touched.map(|of| touch_of(&of.contact, of.ids)).collect()
+}
+
+/// Takes what [`World::own_kept`] returned for the particles of this world, in any order. Returns an
+/// error if it is of other particles or walls.
+pub fn take_kept(world: &mut World, bytes: Parts<'_>) -> Result<()> {
+    let ids: Vec<Id> = match domain_of(world) {
+        Some(domain) => domain.ids[..domain.own].to_vec(),
+        None => world.bodies.ids(),
+    };
+    let rows: HashMap<Id, u32> = ids.into_iter().zip(0..).collect();
+    let [kept, resting, pushes, members, touches] = bytes;
+    let members: HashMap<Id, Id> = read_all::<Member>(members).map(Into::into).collect();
+    // The contacts of sleeping particles are among `touches`.
+    let is_awake = |of: &Resting| !of.ids.iter().any(|id| members.contains_key(id));
+    let resting = read_all::<Resting>(resting).filter(is_awake);
+    take_kept_of(world, &rows, [kept, pushes], resting.collect())?;
+    restore_sleepers(world, &rows, &members, read_all(touches).collect())
+}
+
+/// Adds what is kept of the particles with these ids, in these rows: of each, of walls, and contacts at
+/// rest.
+pub(super) fn take_kept_of(
+    world: &mut World,
+    rows: &HashMap<Id, u32>,
+    [kept, pushes]: [&[u8]; 2],
+    resting: Vec<Resting>,
+) -> Result<()> {
+    let unknown = || damaged("an impulse is on no particle");
+    let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
+    let count = world.bodies.awake.rows.len();
+    let indices = world.bodies.indices().to_vec();
+    for of in kept.chunks_exact(KEPT) {
+        let mut from = Reader::without_head(of);
+        let row = row_of(from.get()?)?;
+        let index = indices[row as usize] as usize;
+        world.bodies.awake.persistent.visit_mut(&mut GetRow {
+            from: &mut from,
+            row: index,
+            len: count,
+        })?;
+    }
+    for push in read_all::<Push>(pushes) {
+        world.wall_impulses.push(push.of_row(row_of(push.id)?));
+    }
+    world.wall_impulses.sort_by_key(|of| (of.row, of.wall));
+    take_resting(world, rows, resting.into_iter())
+}
+
+/// Puts particles to sleep that slept when they were written; `members` has the island of each.
+fn restore_sleepers(
+    world: &mut World,
+    rows: &HashMap<Id, u32>,
+    members: &HashMap<Id, Id>,
+    touches: Vec<SleepingContact>,
+) -> Result<()> {
+    let row_of = |id: Id| rows.get(&id).copied();
+    let indices = world.bodies.indices();
+    let index = |(&id, &island): (&Id, &Id)| Some((island, indices[row_of(id)? as usize]));
+    let mut all: Vec<(Id, u32)> = members.iter().filter_map(index).collect();
+    all.sort_unstable();
+    if all.len() < members.len()
+        || all.iter().any(|of| !world.bodies.awake.particles.movable[of.1 as usize])
+    {
+        return Err(damaged("no such particle sleeps"));
+    }
+    let sleeping = &mut world.scratch.sleeping;
+    sleeping.members.clear();
+    sleeping.names.clear();
+    sleeping.names.resize(world.bodies.awake.rows.len(), 0);
+    for island in all.chunk_by(|a, b| a.0 == b.0) {
+        let (name, first) = island[0];
+        sleeping.members.extend(island.iter().map(|&(_, index)| [first, index]));
+        sleeping.names[first as usize] = name;
+    }
+    sleeping.members.sort_unstable();
+    let mut new = world.take_sleepers();
+    world.take_wall_impulses(&mut new);
+    if world.halo.is_whole() {
+        new.set_contacts(contacts_of_rows(&new, &touches, row_of)?);
+    } else {
+        domain_of_mut(world).sleeping = touches;
+    }
+    if new.islands.is_empty() {
+        return Ok(());
+    }
+    world.bodies.asleep.append(&new, world.settings.tree)?;
+    world.remove_sleepers(new);
+    Ok(())
+}
+
+/// Adds contacts at rest.
+fn take_resting(
+    world: &mut World,
+    rows: &HashMap<Id, u32>,
+    new: impl Iterator<Item = Resting>,
+) -> Result<()> {
+    let known = |of: Resting| {
+        let rows = [0, 1].map(|k| rows.get(&of.ids[k]).copied().unwrap_or(NONE));
+        Resting { rows, ..of }
+    };
+    if world.halo.is_whole() {
+        let all: Vec<Resting> = new.map(known).collect();
+        if all.iter().any(|of| of.rows.contains(&NONE)) {
+            return Err(damaged("an impulse is on no particle"));
         }
-        let ids = &domain.ids;
-        let resting = |contact: &Contact| {
-            // Impulses across the sides of a torus are not kept.
-            if contact.impulse <= 0.0 || contact.image != [0.0; 2] {
-                return None;
-            }
-            let mut indices = contact.indices.map(|index| index as usize);
-            indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
-            let both = indices.map(|at| rows[at]);
-            // The rank of an immovable particle may lack neighbours of the movable one. Then its
-            // impulse of this contact is not the right one.
-            let both_move = particles.movable[indices[1]];
-            let is_known = domain.owns(both[0]) || both_move && domain.owns(both[1]);
-            is_known.then(|| Resting {
-                ids: both.map(|row| ids[row as usize]),
-                rows: both.map(|row| if domain.owns(row) { row } else { NONE }),
-                impulses: [contact.impulse, contact.friction_impulse],
-            })
+        insert_resting(world, &all, |_| None);
+        return Ok(());
+    }
+    let domain = domain_of_mut(world);
+    domain.resting.extend(new.map(known));
+    let mut unknown: HashMap<Id, u32> = HashMap::new();
+    for of in &domain.resting {
+        let missing = of.rows.iter().zip(of.ids).filter(|(row, _)| **row == NONE);
+        unknown.extend(missing.map(|(_, id)| (id, NONE)));
+    }
+    // An immovable particle may have been on this rank when it did not know the other one.
+    for (id, row) in domain.ids[..domain.own].iter().zip(0..) {
+        unknown.entry(*id).and_modify(|known| *known = row);
+    }
+    for of in &mut domain.resting {
+        for (row, id) in of.rows.iter_mut().zip(of.ids) {
+            *row = unknown.get(&id).copied().unwrap_or(*row);
+        }
+    }
+    // A contact that this rank had before knows both rows.
+    let unknown = |of: &Resting| of.rows.iter().filter(|&&row| row == NONE).count();
+    domain.resting.sort_by_key(|of| (of.ids, unknown(of)));
+    domain.resting.dedup_by_key(|of| of.ids);
+    domain.resting.retain(|of| unknown(of) < 2);
+    Ok(())
+}
+
+/// Gives the contacts at rest their impulses of the step before, when the ghosts are there.
+pub(super) fn recall_resting(world: &mut World) {
+    let Some(domain) = domain_of(world) else { return };
+    if domain.resting.is_empty() {
+        return;
+    }
+    let ghosts = (domain.own as u32..).zip(&domain.ids[domain.own..]);
+    let rows_of: HashMap<Id, u32> = ghosts.map(|(row, &id)| (id, row)).collect();
+    let resting = domain.resting.clone();
+    insert_resting(world, &resting, |id| rows_of.get(&id).copied());
+}
+
+/// Adds contacts with their impulses; `row_of` has the rows that they do not know.
+fn insert_resting(world: &mut World, all: &[Resting], row_of: impl Fn(Id) -> Option<u32>) {
+    let indices = world.bodies.indices();
+    let contact = |of: &Resting| {
+        let row = |k: usize| match of.rows[k] {
+            NONE => row_of(of.ids[k]),
+            row => Some(row),
         };
-        contacts.lasting().filter_map(resting).collect()
-    }
-
-    /// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of its
-    /// first particle; the pushes of walls; which sleep; and the contacts of these.
-    pub fn own_kept(&self) -> [Vec<u8>; 5] {
-        let mut bytes = [vec![], vec![], vec![], vec![], vec![]];
-        let Some(domain) = self.domain() else { return bytes };
-        let [kept, resting, pushes, members, touches] = &mut bytes;
-        for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            put_kept(kept, domain.id(row), &self.persistent, index);
-        }
-        let all = self.resting_of_own();
-        all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| append(resting, *of));
-        for of in self.wall_impulses.iter().filter(|of| domain.owns(of.row)) {
-            put_push(pushes, domain.id(of.row), of);
-        }
-        let Sleepers { discs, islands, .. } = self.asleep.sleepers();
-        for island in self.asleep.islands().map(|number| &islands[number as usize]) {
-            for at in island.particles.clone().map(|at| at as usize) {
-                let id = domain.id(discs.rows[at]);
-                put_kept(kept, id, &discs.persistent, at);
-                append::<Member>(members, [id, island.name]);
-            }
-        }
-        for of in self.asleep.wall_impulses() {
-            append(pushes, Push::new(domain.id(of.row), of));
-        }
-        self.own_sleeping_contacts().for_each(|of| append(touches, *of));
-        bytes
-    }
-
-    /// The contacts of sleeping particles of which the first is an own one.
-    pub(crate) fn own_sleeping_contacts(&self) -> impl Iterator<Item = &SleepingContact> {
-        let domain = self.domain();
-        let id = |row: u32| domain.map_or(0, |domain| domain.id(row));
-        let mut ids: Vec<Id> = self.asleep.rows().map(id).collect();
-        ids.sort_unstable();
-        let all = domain.map_or(&[][..], |domain| &domain.sleeping);
-        all.iter().filter(move |of| ids.binary_search(&of.ids[0]).is_ok())
-    }
-
-    /// Of a distributed world: the pairs of sleeping islands, as in the last step in which these were awake,
-    /// with the ids among the particles of all ranks. Each is on one rank.
-    pub fn own_touches_asleep(&self) -> Vec<Touch> {
-        let touched = self.own_sleeping_contacts().filter(|of| of.contact.touched);
-        touched.map(|of| touch_of(&of.contact, of.ids)).collect()
-    }
-
-    /// Takes what [`World::own_kept`] returned for the particles of this world, in any order. Returns an
-    /// error if it is of other particles or walls.
-    pub fn take_kept(&mut self, bytes: Parts<'_>) -> Result<()> {
-        let ids: Vec<Id> = match self.domain() {
-            Some(domain) => domain.ids[..domain.own].to_vec(),
-            None => self.ids(),
-        };
-        let rows: HashMap<Id, u32> = ids.into_iter().zip(0..).collect();
-        let [kept, resting, pushes, members, touches] = bytes;
-        let members: HashMap<Id, Id> = read_all::<Member>(members).map(Into::into).collect();
-        // The contacts of sleeping particles are among `touches`.
-        let is_awake = |of: &Resting| !of.ids.iter().any(|id| members.contains_key(id));
-        let resting = read_all::<Resting>(resting).filter(is_awake);
-        self.take_kept_of(&rows, [kept, pushes], resting.collect())?;
-        self.restore_sleepers(&rows, &members, read_all(touches).collect())
-    }
-
-    /// Adds what is kept of the particles with these ids, in these rows: of each, of walls, and contacts at
-    /// rest.
-    pub(crate) fn take_kept_of(
-        &mut self,
-        rows: &HashMap<Id, u32>,
-        [kept, pushes]: [&[u8]; 2],
-        resting: Vec<Resting>,
-    ) -> Result<()> {
-        let unknown = || damaged("an impulse is on no particle");
-        let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
-        let count = self.rows.len();
-        let indices = self.indices().to_vec();
-        for of in kept.chunks_exact(KEPT) {
-            let mut from = Reader::without_head(of);
-            let row = row_of(from.get()?)?;
-            let index = indices[row as usize] as usize;
-            self.persistent.visit_mut(&mut GetRow { from: &mut from, row: index, len: count })?;
-        }
-        for push in read_all::<Push>(pushes) {
-            self.wall_impulses.push(push.of_row(row_of(push.id)?));
-        }
-        self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
-        self.take_resting(rows, resting.into_iter())
-    }
-
-    /// Puts particles to sleep that slept when they were written; `members` has the island of each.
-    fn restore_sleepers(
-        &mut self,
-        rows: &HashMap<Id, u32>,
-        members: &HashMap<Id, Id>,
-        touches: Vec<SleepingContact>,
-    ) -> Result<()> {
-        let row_of = |id: Id| rows.get(&id).copied();
-        let indices = self.indices();
-        let index = |(&id, &island): (&Id, &Id)| Some((island, indices[row_of(id)? as usize]));
-        let mut all: Vec<(Id, u32)> = members.iter().filter_map(index).collect();
-        all.sort_unstable();
-        if all.len() < members.len() || all.iter().any(|of| !self.particles.movable[of.1 as usize])
-        {
-            return Err(damaged("no such particle sleeps"));
-        }
-        let sleeping = &mut self.scratch.sleeping;
-        sleeping.members.clear();
-        sleeping.names.clear();
-        sleeping.names.resize(self.rows.len(), 0);
-        for island in all.chunk_by(|a, b| a.0 == b.0) {
-            let (name, first) = island[0];
-            sleeping.members.extend(island.iter().map(|&(_, index)| [first, index]));
-            sleeping.names[first as usize] = name;
-        }
-        sleeping.members.sort_unstable();
-        let mut new = self.take_sleepers();
-        self.take_wall_impulses(&mut new);
-        if self.halo.is_whole() {
-            new.set_contacts(contacts_of_rows(&new, &touches, row_of)?);
-        } else {
-            self.domain_mut().sleeping = touches;
-        }
-        if new.islands.is_empty() {
-            return Ok(());
-        }
-        self.asleep.append(&new, self.settings.tree)?;
-        self.remove_sleepers(new);
-        Ok(())
-    }
-
-    /// Adds contacts at rest.
-    fn take_resting(
-        &mut self,
-        rows: &HashMap<Id, u32>,
-        new: impl Iterator<Item = Resting>,
-    ) -> Result<()> {
-        let known = |of: Resting| {
-            let rows = [0, 1].map(|k| rows.get(&of.ids[k]).copied().unwrap_or(NONE));
-            Resting { rows, ..of }
-        };
-        if self.halo.is_whole() {
-            let all: Vec<Resting> = new.map(known).collect();
-            if all.iter().any(|of| of.rows.contains(&NONE)) {
-                return Err(damaged("an impulse is on no particle"));
-            }
-            self.insert_resting(&all, |_| None);
-            return Ok(());
-        }
-        let domain = self.domain_mut();
-        domain.resting.extend(new.map(known));
-        let mut unknown: HashMap<Id, u32> = HashMap::new();
-        for of in &domain.resting {
-            let missing = of.rows.iter().zip(of.ids).filter(|(row, _)| **row == NONE);
-            unknown.extend(missing.map(|(_, id)| (id, NONE)));
-        }
-        // An immovable particle may have been on this rank when it did not know the other one.
-        for (id, row) in domain.ids[..domain.own].iter().zip(0..) {
-            unknown.entry(*id).and_modify(|known| *known = row);
-        }
-        for of in &mut domain.resting {
-            for (row, id) in of.rows.iter_mut().zip(of.ids) {
-                *row = unknown.get(&id).copied().unwrap_or(*row);
-            }
-        }
-        // A contact that this rank had before knows both rows.
-        let unknown = |of: &Resting| of.rows.iter().filter(|&&row| row == NONE).count();
-        domain.resting.sort_by_key(|of| (of.ids, unknown(of)));
-        domain.resting.dedup_by_key(|of| of.ids);
-        domain.resting.retain(|of| unknown(of) < 2);
-        Ok(())
-    }
-
-    /// Gives the contacts at rest their impulses of the step before, when the ghosts are there.
-    pub(crate) fn recall_resting(&mut self) {
-        let Some(domain) = self.domain() else { return };
-        if domain.resting.is_empty() {
-            return;
-        }
-        let ghosts = (domain.own as u32..).zip(&domain.ids[domain.own..]);
-        let rows_of: HashMap<Id, u32> = ghosts.map(|(row, &id)| (id, row)).collect();
-        let resting = domain.resting.clone();
-        self.insert_resting(&resting, |id| rows_of.get(&id).copied());
-    }
-
-    /// Adds contacts with their impulses; `row_of` has the rows that they do not know.
-    fn insert_resting(&mut self, all: &[Resting], row_of: impl Fn(Id) -> Option<u32>) {
-        let indices = self.indices();
-        let contact = |of: &Resting| {
-            let row = |k: usize| match of.rows[k] {
-                NONE => row_of(of.ids[k]),
-                row => Some(row),
-            };
-            let indices = [row(0)?, row(1)?].map(|row| indices[row as usize]);
-            let [impulse, friction_impulse] = of.impulses;
-            Some(Contact { indices, impulse, friction_impulse, ..Contact::default() })
-        };
-        let all: Vec<Contact> = all.iter().filter_map(contact).collect();
-        self.contacts.insert(all.into_iter(), self.rows.len());
-    }
+        let indices = [row(0)?, row(1)?].map(|row| indices[row as usize]);
+        let [impulse, friction_impulse] = of.impulses;
+        Some(Contact { indices, impulse, friction_impulse, ..Contact::default() })
+    };
+    let all: Vec<Contact> = all.iter().filter_map(contact).collect();
+    world.contacts.insert(all.into_iter(), world.bodies.awake.rows.len());
 }
 
 /// Appends the pushes of a wall on a particle, if there are any.

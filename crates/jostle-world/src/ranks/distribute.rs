@@ -1,5 +1,6 @@
 //! Makes a world the part of a distributed world that a rank has, and writes its own particles as records.
 
+use super::domain::{domain_of, domain_of_mut};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -30,160 +31,164 @@ pub struct OwnParticles {
     pub rebalances: u64,
 }
 
-impl World {
-    /// Makes this world a part of a larger one, of which each rank has a part. All ranks have the same
-    /// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
-    pub fn distribute(&mut self, communicator: Box<dyn Communicator>, ids: Vec<Id>) -> Result<()> {
-        self.check_distributable()?;
-        self.wake_all();
-        let mut group = Group::new(communicator);
-        let mut total = [ids.len() as u64];
-        group.sum(&mut total)?;
-        let (ranks, [total]) = (group.size(), total.map(|total| total as usize));
-        self.halo = Box::new(Domain {
-            group: Mutex::new(group),
-            ranks,
-            own: ids.len(),
-            ids,
-            next: total as Id,
-            total,
-            awake: total,
-            asleep: 0,
-            is_still: false,
-            sleeping: Vec::new(),
-            foreign: Asleep::default(),
-            touched: Vec::new(),
-            left: Vec::new(),
-            is_lossless: self.are_own_lossless(),
-            has_friction: true,
-            scales: Default::default(),
-            extent: None,
-            announced: Vec::new(),
-            sent: Vec::new(),
-            received: Vec::new(),
-            has_contacts: false,
-            resting: Vec::new(),
-            kept: 0,
-            has_all: false,
-            before: None,
-            sent_indices: Vec::new(),
-            ghost_indices: Vec::new(),
-            ghost_ranks: Vec::new(),
-            ghost_pairs: Vec::new(),
-            own_pairs: HashMap::new(),
-            digests: Vec::new(),
-            may_meet: Vec::new(),
-            is_sent: Vec::new(),
-            is_own: Vec::new(),
-            shared: Vec::new(),
-            far: Vec::new(),
-            steps: 0,
-            repeats: 0,
-            widening: 1.0,
-            widened: 1.0,
-            further: HashMap::new(),
-            is_static: false,
-            work: 1.0,
-            rebalance_every: None,
-            is_stale: true,
-            chosen: 0,
-            rebalances: 0,
-            usual_ghosts: 0.0,
-        });
-        Ok(())
-    }
+/// Makes this world a part of a larger one, of which each rank has a part. All ranks have the same
+/// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
+pub fn distribute(
+    world: &mut World,
+    communicator: Box<dyn Communicator>,
+    ids: Vec<Id>,
+) -> Result<()> {
+    check_distributable(world)?;
+    world.wake_all();
+    let mut group = Group::new(communicator);
+    let mut total = [ids.len() as u64];
+    group.sum(&mut total)?;
+    let (ranks, [total]) = (group.size(), total.map(|total| total as usize));
+    world.halo = Box::new(Domain {
+        group: Mutex::new(group),
+        ranks,
+        own: ids.len(),
+        ids,
+        next: total as Id,
+        total,
+        awake: total,
+        asleep: 0,
+        is_still: false,
+        sleeping: Vec::new(),
+        foreign: Asleep::default(),
+        touched: Vec::new(),
+        left: Vec::new(),
+        is_lossless: world.are_own_lossless(),
+        has_friction: true,
+        scales: Default::default(),
+        extent: None,
+        announced: Vec::new(),
+        sent: Vec::new(),
+        received: Vec::new(),
+        has_contacts: false,
+        resting: Vec::new(),
+        kept: 0,
+        has_all: false,
+        before: None,
+        sent_indices: Vec::new(),
+        ghost_indices: Vec::new(),
+        ghost_ranks: Vec::new(),
+        ghost_pairs: Vec::new(),
+        own_pairs: HashMap::new(),
+        digests: Vec::new(),
+        may_meet: Vec::new(),
+        is_sent: Vec::new(),
+        is_own: Vec::new(),
+        shared: Vec::new(),
+        far: Vec::new(),
+        steps: 0,
+        repeats: 0,
+        widening: 1.0,
+        widened: 1.0,
+        further: HashMap::new(),
+        is_static: false,
+        work: 1.0,
+        rebalance_every: None,
+        is_stale: true,
+        chosen: 0,
+        rebalances: 0,
+        usual_ghosts: 0.0,
+    });
+    Ok(())
+}
 
-    /// Refuses what a distributed world cannot do.
-    pub fn check_distributable(&self) -> Result<()> {
-        let is_local = |influence: &Influence| match influence.role() {
-            Role::Force(force) => force.reach() != Reach::All,
-            Role::Springs(_) | Role::Motor(_) => false,
-            Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => true,
-        };
-        let influences = self.influences.list();
-        let Some(index) = influences.iter().position(|influence| !is_local(influence)) else {
-            return Ok(());
-        };
-        let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
-                    AndersenThermostat only";
-        Err(Error::at("forces", index, influences[index].noun(), rule))
-    }
+/// Refuses what a distributed world cannot do.
+pub fn check_distributable(world: &World) -> Result<()> {
+    let is_local = |influence: &Influence| match influence.role() {
+        Role::Force(force) => force.reach() != Reach::All,
+        Role::Springs(_) | Role::Motor(_) => false,
+        Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => true,
+    };
+    let influences = world.influences.list();
+    let Some(index) = influences.iter().position(|influence| !is_local(influence)) else {
+        return Ok(());
+    };
+    let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
+                AndersenThermostat only";
+    Err(Error::at("forces", index, influences[index].noun(), rule))
+}
 
-    /// The particles of this rank; None if the world is not distributed.
-    pub fn own_particles(&self) -> Option<OwnParticles> {
-        self.domain().map(|domain| OwnParticles {
-            own: domain.own,
-            ids: domain.ids.clone(),
-            total: domain.total,
-            traffic: locked(&domain.group).traffic,
-            repeats: domain.repeats,
-            rebalances: domain.rebalances,
-        })
-    }
+/// The particles of this rank; None if the world is not distributed.
+pub fn own_particles(world: &World) -> Option<OwnParticles> {
+    domain_of(world).map(|domain| OwnParticles {
+        own: domain.own,
+        ids: domain.ids.clone(),
+        total: domain.total,
+        traffic: locked(&domain.group).traffic,
+        repeats: domain.repeats,
+        rebalances: domain.rebalances,
+    })
+}
 
-    /// The number of own particles, and that of all ranks.
-    pub fn own_and_all(&self) -> (usize, usize) {
-        match self.domain() {
-            None => (self.len(), self.len()),
-            Some(domain) => (domain.own, domain.total),
-        }
+/// The number of own particles, and that of all ranks.
+pub fn own_and_all(world: &World) -> (usize, usize) {
+    match domain_of(world) {
+        None => (world.len(), world.len()),
+        Some(domain) => (domain.own, domain.total),
     }
+}
 
-    /// The number of own particles that are awake.
-    pub fn own_awake(&self) -> usize {
-        self.own_and_all().0 - self.asleep.len()
+/// The number of own particles that are awake.
+pub fn own_awake(world: &World) -> usize {
+    own_and_all(world).0 - world.bodies.asleep.len()
+}
+
+/// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
+/// distributed.
+pub fn own_records(world: &World) -> Vec<u8> {
+    let Some(domain) = domain_of(world) else { return records_of(world, 0..world.len()) };
+    let mut bytes = Vec::with_capacity(domain.own * RECORD);
+    for (index, &row) in
+        world.bodies.awake.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row))
+    {
+        put_record(&mut bytes, domain.id(row), &world.bodies.awake.particles, index);
     }
-
-    /// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
-    /// distributed.
-    pub fn own_records(&self) -> Vec<u8> {
-        let Some(domain) = self.domain() else { return self.records_of(0..self.len()) };
-        let mut bytes = Vec::with_capacity(domain.own * RECORD);
-        for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            put_record(&mut bytes, domain.id(row), &self.particles, index);
-        }
-        let discs = &self.asleep.sleepers().discs;
-        for at in self.asleep.indices() {
-            put_record(&mut bytes, domain.id(discs.rows[at]), &discs.particles, at);
-        }
-        bytes
+    let discs = &world.bodies.asleep.sleepers().discs;
+    for at in world.bodies.asleep.indices() {
+        put_record(&mut bytes, domain.id(discs.rows[at]), &discs.particles, at);
     }
+    bytes
+}
 
-    /// A world with the particles in some rows of this one, and its settings, walls, forces and time.
-    pub fn part(&self, rows: Range<usize>) -> Result<Self> {
-        self.of_records(&self.records_of(rows))
+/// A world with the particles in some rows of this one, and its settings, walls, forces and time.
+pub fn part(world: &World, rows: Range<usize>) -> Result<World> {
+    of_records(world, &records_of(world, rows))
+}
+
+fn records_of(world: &World, rows: Range<usize>) -> Vec<u8> {
+    let (all, mut bytes) = (world.bodies.particles(), Vec::new());
+    rows.for_each(|row| put_record(&mut bytes, row as Id, &all, row));
+    bytes
+}
+
+/// A world with the settings, walls, forces, attachment and time of this one, and the particles of some records.
+pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
+    let (particles, _) = read_records(bytes);
+    let mut world = World::new(particles, like.settings)?;
+    world.set_walls(like.walls().to_vec())?;
+    world.set_forces(like.forces())?;
+    world.set_defaults(like.bodies.defaults)?;
+    world.attachment.clone_from(&like.attachment);
+    world.time = like.time;
+    Ok(world)
+}
+
+/// Tells how much time this rank needs for each of its particles, from which the next domains
+/// follow. Results do not depend on it.
+pub fn set_work(world: &mut World, work: f64) {
+    if !world.halo.is_whole() && work > 0.0 && work.is_finite() {
+        domain_of_mut(world).work = work;
     }
+}
 
-    fn records_of(&self, rows: Range<usize>) -> Vec<u8> {
-        let (all, mut bytes) = (self.particles(), Vec::new());
-        rows.for_each(|row| put_record(&mut bytes, row as Id, &all, row));
-        bytes
-    }
-
-    /// A world with the settings, walls, forces, attachment and time of this one, and the particles of some records.
-    pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
-        let (particles, _) = read_records(bytes);
-        let mut world = Self::new(particles, self.settings)?;
-        world.set_walls(self.walls().to_vec())?;
-        world.set_forces(self.forces())?;
-        world.set_defaults(self.defaults)?;
-        world.attachment.clone_from(&self.attachment);
-        world.time = self.time;
-        Ok(world)
-    }
-
-    /// Tells how much time this rank needs for each of its particles, from which the next domains
-    /// follow. Results do not depend on it.
-    pub fn set_work(&mut self, work: f64) {
-        if !self.halo.is_whole() && work > 0.0 && work.is_finite() {
-            self.domain_mut().work = work;
-        }
-    }
-
-    /// Chooses domains anew after so many steps, the same number on all ranks, whatever the imbalance.
-    pub fn rebalance_every(&mut self, steps: u64) {
-        if !self.halo.is_whole() {
-            self.domain_mut().rebalance_every = Some(steps.max(1));
-        }
+/// Chooses domains anew after so many steps, the same number on all ranks, whatever the imbalance.
+pub fn rebalance_every(world: &mut World, steps: u64) {
+    if !world.halo.is_whole() {
+        domain_of_mut(world).rebalance_every = Some(steps.max(1));
     }
 }

@@ -519,14 +519,12 @@ impl Distribution for Domain {
     }
 }
 
-impl World {
-    /// The distribution over ranks, if there is one.
-    pub(crate) fn domain(&self) -> Option<&Domain> {
-        (&*self.halo as &dyn Any).downcast_ref()
-    }
+/// The distribution over ranks, if there is one.
+pub(super) fn domain_of(world: &World) -> Option<&Domain> {
+    (&*world.halo as &dyn Any).downcast_ref()
+}
 
-    /// The domain of a distributed world. Panics for other worlds.
-    pub(crate) fn domain_mut(&mut self) -> &mut Domain {
-        Domain::of_mut(&mut *self.halo)
-    }
+/// The domain of a distributed world. Panics for other worlds.
+pub(super) fn domain_of_mut(world: &mut World) -> &mut Domain {
+    Domain::of_mut(&mut *world.halo)
 }

@@ -1,9 +1,11 @@
 //! Adding, removing and changing particles of a distributed world. All ranks make the same calls.
 
 use super::domain::Domain;
+use super::domain::{domain_of, domain_of_mut};
+use super::migration::{append_records, drop_ghosts};
 use super::read_records;
 use crate::world::World;
-use crate::world::ids::Ids;
+use crate::world::bodies::ids::Ids;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
@@ -50,100 +52,101 @@ impl Domain {
     }
 }
 
-impl World {
-    /// Wakes the islands that changes of any rank concern: `driven` are rows of immovable particles of
-    /// which only the velocities change, `changed` those of other changes.
-    pub(crate) fn wake_edited_of_ranks(&mut self, driven: &[u32], changed: &[u32]) -> Result<()> {
-        let Some(domain) = self.domain() else { return Ok(()) };
-        let (indices, awake) = (self.indices_of(changed), self.rows.len());
-        let is_fixed = |&index: &u32| self.particles.movable.get(index as usize) == Some(&false);
-        let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
-        let islands = self.asleep.islands_of(sleeping);
-        let own = Changed {
-            wakes_all: indices.iter().any(is_fixed),
-            driven: driven.iter().map(|&row| domain.id(row)).collect(),
-            names: self.asleep.names(&islands).collect(),
-        };
-        let Changed { wakes_all, driven, mut names } =
-            Changed::join(&locked(&domain.group).share(&own.words())?);
-        if !driven.is_empty() && !wakes_all {
-            let names_only =
-                Changed { names: domain.islands_touching(&driven), ..Changed::default() };
-            let all = locked(&domain.group).share(&names_only.words())?;
-            names.extend(Changed::join(&all).names);
-        }
-        names.sort_unstable();
-        let islands =
-            if wakes_all { self.asleep.islands().collect() } else { self.asleep.named(&names) };
-        self.wake_to_stay(&islands);
-        Ok(())
+/// Wakes the islands that changes of any rank concern: `driven` are rows of immovable particles of
+/// which only the velocities change, `changed` those of other changes.
+pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) -> Result<()> {
+    let Some(domain) = domain_of(world) else { return Ok(()) };
+    let (indices, awake) = (world.bodies.indices_of(changed), world.bodies.awake.rows.len());
+    let is_fixed =
+        |&index: &u32| world.bodies.awake.particles.movable.get(index as usize) == Some(&false);
+    let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
+    let islands = world.bodies.asleep.islands_of(sleeping);
+    let own = Changed {
+        wakes_all: indices.iter().any(is_fixed),
+        driven: driven.iter().map(|&row| domain.id(row)).collect(),
+        names: world.bodies.asleep.names(&islands).collect(),
+    };
+    let Changed { wakes_all, driven, mut names } =
+        Changed::join(&locked(&domain.group).share(&own.words())?);
+    if !driven.is_empty() && !wakes_all {
+        let names_only = Changed { names: domain.islands_touching(&driven), ..Changed::default() };
+        let all = locked(&domain.group).share(&names_only.words())?;
+        names.extend(Changed::join(&all).names);
     }
+    names.sort_unstable();
+    let islands = if wakes_all {
+        world.bodies.asleep.islands().collect()
+    } else {
+        world.bodies.asleep.named(&names)
+    };
+    world.wake_to_stay(&islands);
+    Ok(())
+}
 
-    /// Adds particles to this rank, with ids among the particles of all ranks, which are above all ids
-    /// before; `count` are added on all ranks.
-    pub fn add_of_ranks(&mut self, records: Vec<u8>, ids: &[Id], count: usize) -> Result<()> {
-        self.drop_ghosts();
-        let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
-        if self.halo().any(is_fixed)? {
-            self.wake_all();
-        }
-        let Some(domain) = self.domain() else { return Ok(()) };
-        let first = domain.own;
-        self.append_records(&[records], true);
-        let domain = self.domain_mut();
-        domain.ids[first..].copy_from_slice(ids);
-        domain.total += count;
-        domain.next += count as Id;
-        domain.is_stale = true;
-        Ok(())
+/// Adds particles to this rank, with ids among the particles of all ranks, which are above all ids
+/// before; `count` are added on all ranks.
+pub fn add(world: &mut World, records: Vec<u8>, ids: &[Id], count: usize) -> Result<()> {
+    drop_ghosts(world);
+    let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
+    if world.halo().any(is_fixed)? {
+        world.wake_all();
     }
+    let Some(domain) = domain_of(world) else { return Ok(()) };
+    let first = domain.own;
+    append_records(world, &[records], true);
+    let domain = domain_of_mut(world);
+    domain.ids[first..].copy_from_slice(ids);
+    domain.total += count;
+    domain.next += count as Id;
+    domain.is_stale = true;
+    Ok(())
+}
 
-    /// Removes the particles with some ids, which all ranks give, each once. The islands of removed
-    /// particles wake; all wake if an immovable one is removed.
-    pub fn remove_of_ranks(&mut self, ids: &[Id]) -> Result<()> {
-        self.drop_ghosts();
-        let Some(domain) = self.domain() else { return Ok(()) };
-        let mut ids = ids.to_vec();
-        ids.sort_unstable();
-        let is_gone = |id: &Id| ids.binary_search(id).is_ok();
-        let gone: Vec<bool> = domain.ids.iter().map(is_gone).collect();
-        let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
-        self.wake_edited_of_ranks(&[], &rows)?;
-        let shifted = self.take_out(&gone);
-        let domain = self.domain_mut();
-        crate::world::edits::retain_unless(&mut domain.ids, &gone);
-        domain.own = domain.ids.len();
-        domain.total -= ids.len();
-        domain.resting.retain_mut(|of| {
-            of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(row));
-            !of.ids.iter().any(is_gone)
-        });
-        self.ids = Ids::of_rows(self.halo.own_rows() as usize);
-        let at_end = &mut self.record.at_end;
-        let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
-        self.record.gone.extend(removed);
-        self.end_external_of_none()
-    }
+/// Removes the particles with some ids, which all ranks give, each once. The islands of removed
+/// particles wake; all wake if an immovable one is removed.
+pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
+    drop_ghosts(world);
+    let Some(domain) = domain_of(world) else { return Ok(()) };
+    let mut ids = ids.to_vec();
+    ids.sort_unstable();
+    let is_gone = |id: &Id| ids.binary_search(id).is_ok();
+    let gone: Vec<bool> = domain.ids.iter().map(is_gone).collect();
+    let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
+    wake_edited(world, &[], &rows)?;
+    let shifted = world.take_out(&gone);
+    let domain = domain_of_mut(world);
+    crate::world::edits::retain_unless(&mut domain.ids, &gone);
+    domain.own = domain.ids.len();
+    domain.total -= ids.len();
+    domain.resting.retain_mut(|of| {
+        of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(row));
+        !of.ids.iter().any(is_gone)
+    });
+    world.bodies.ids = Ids::of_rows(world.halo.own_rows() as usize);
+    let at_end = &mut world.record.at_end;
+    let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
+    world.record.gone.extend(removed);
+    world.end_external_of_none()
+}
 
-    /// The ids of the particles of this rank, and the id that is given next.
-    pub fn own_ids(&self) -> (Vec<Id>, Id) {
-        match self.domain() {
-            Some(domain) => (domain.ids[..domain.own].to_vec(), domain.next),
-            None => (self.ids(), self.ids.parts().1),
-        }
+/// The ids of the particles of this rank, and the id that is given next.
+pub fn own_ids(world: &World) -> (Vec<Id>, Id) {
+    match domain_of(world) {
+        Some(domain) => (domain.ids[..domain.own].to_vec(), domain.next),
+        None => (world.bodies.ids(), world.bodies.ids.parts().1),
     }
+}
 
-    /// Replaces the ids of all rows, ascending, and the id that is given next; in a distributed world those
-    /// of this rank. Refuses ids that no world can have.
-    pub fn set_ids(&mut self, ids: &[Id], next: Id) -> Result<()> {
-        if !self.halo.is_whole() {
-            self.domain_mut().next = next;
-            return Ok(());
-        }
-        let has_gaps = !ids.iter().copied().eq(0..next);
-        self.ids = Ids::read(has_gaps.then(|| ids.to_vec()), self.len(), next)?;
-        Ok(())
+/// Replaces the ids of all rows, ascending, and the id that is given next; in a distributed world those
+/// of this rank. Refuses ids that no world can have.
+pub fn set_ids(world: &mut World, ids: &[Id], next: Id) -> Result<()> {
+    if !world.halo.is_whole() {
+        domain_of_mut(world).next = next;
+        return Ok(());
     }
+    let has_gaps = !ids.iter().copied().eq(0..next);
+    world.bodies.ids = Ids::read(has_gaps.then(|| ids.to_vec()), world.len(), next)?;
+    Ok(())
 }
 
 #[cfg(test)]

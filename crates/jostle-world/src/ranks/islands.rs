@@ -4,6 +4,8 @@
 //! with the groups that the ghosts have on their own ranks. So all ranks join the same groups, and decide
 //! the same.
 
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::collections::{BTreeMap, HashMap};
 
 use super::domain::Domain;
@@ -83,74 +85,75 @@ fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
     all.iter().map(island).collect()
 }
 
-impl World {
-    /// Gives the islands of this rank's particles their names, and how all their members on all ranks have
-    /// moved.
-    pub(crate) fn join_islands_of_ranks(&mut self) -> Result<()> {
-        let Self { halo, rows, scratch, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
-        names.clear();
-        names.resize(rows.len(), NO_NAME);
-        for (&first, &row) in first.iter().zip(&*rows).filter(|(_, row)| domain.owns(**row)) {
-            let name = &mut names[first as usize];
-            *name = (*name).min(domain.id(row));
-        }
-        if locked(&domain.group).size() < 2 {
-            return Ok(());
-        }
-        let own = groups_with_ghosts(domain, (first, names), of_islands)?;
-        let mut to = Writer::default();
-        to.put_count(own.len());
-        own.values().for_each(|group| group.put(&mut to));
-        let mut groups: Vec<Group> = Vec::new();
-        for bytes in locked(&domain.group).share(&to.into_bytes())? {
-            groups.append(&mut Saved::get(&mut Reader::without_head(&bytes))?);
-        }
-        let islands = join(&groups);
-        for (first, group) in own {
-            (names[first as usize], of_islands[first as usize]) = islands[&group.label];
-        }
-        Ok(())
+/// Gives the islands of this rank's particles their names, and how all their members on all ranks have
+/// moved.
+pub(super) fn join_islands(world: &mut World) -> Result<()> {
+    let World { bodies: Bodies { awake: Discs { rows, .. }, .. }, halo, scratch, .. } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
+    names.clear();
+    names.resize(rows.len(), NO_NAME);
+    for (&first, &row) in first.iter().zip(&*rows).filter(|(_, row)| domain.owns(**row)) {
+        let name = &mut names[first as usize];
+        *name = (*name).min(domain.id(row));
     }
+    if locked(&domain.group).size() < 2 {
+        return Ok(());
+    }
+    let own = groups_with_ghosts(domain, (first, names), of_islands)?;
+    let mut to = Writer::default();
+    to.put_count(own.len());
+    own.values().for_each(|group| group.put(&mut to));
+    let mut groups: Vec<Group> = Vec::new();
+    for bytes in locked(&domain.group).share(&to.into_bytes())? {
+        groups.append(&mut Saved::get(&mut Reader::without_head(&bytes))?);
+    }
+    let islands = join(&groups);
+    for (first, group) in own {
+        (names[first as usize], of_islands[first as usize]) = islands[&group.label];
+    }
+    Ok(())
+}
 
-    /// Keeps the pairs of islands that fall asleep whose surfaces touch, if events are tracked.
-    pub(crate) fn keep_pairs_of_sleepers(&mut self) -> Result<()> {
-        if !self.settings.track_events {
-            return Ok(());
-        }
-        let mut scratch = std::mem::take(&mut self.scratch.touching);
-        let pairs = self.find_touching_of(&self.particles, &mut scratch).map(Iterator::collect);
-        self.scratch.touching = scratch;
-        let pairs: Vec<[u32; 2]> = pairs?;
-        let Self { halo, particles, rows, scratch, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        let Scratch { island_of, first, names, .. } = &scratch.sleeping;
-        for pair in pairs {
-            let sleeps = |&index: &u32| island_of[index as usize] != NONE;
-            let Some(index) = pair.into_iter().find(sleeps) else { continue };
-            let island = names[first[index as usize] as usize];
-            let ids = pair.map(|index| domain.id(rows[index as usize]));
-            let inverse_masses = pair.map(|index| particles.inverse_mass(index as usize));
-            let contact = Contact { inverse_masses, ..Contact::default() };
-            let new = SleepingContact::new(island, ids, &contact);
-            domain.sleeping.push(SleepingContact { is_near: true, ..new });
-        }
-        Ok(())
+/// Keeps the pairs of islands that fall asleep whose surfaces touch, if events are tracked.
+pub(super) fn keep_pairs_of_sleepers(world: &mut World) -> Result<()> {
+    if !world.settings.track_events {
+        return Ok(());
     }
+    let mut scratch = std::mem::take(&mut world.scratch.touching);
+    let pairs =
+        world.find_touching_of(&world.bodies.awake.particles, &mut scratch).map(Iterator::collect);
+    world.scratch.touching = scratch;
+    let pairs: Vec<[u32; 2]> = pairs?;
+    let World {
+        bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, halo, scratch, ..
+    } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    let Scratch { island_of, first, names, .. } = &scratch.sleeping;
+    for pair in pairs {
+        let sleeps = |&index: &u32| island_of[index as usize] != NONE;
+        let Some(index) = pair.into_iter().find(sleeps) else { continue };
+        let island = names[first[index as usize] as usize];
+        let ids = pair.map(|index| domain.id(rows[index as usize]));
+        let inverse_masses = pair.map(|index| particles.inverse_mass(index as usize));
+        let contact = Contact { inverse_masses, ..Contact::default() };
+        let new = SleepingContact::new(island, ids, &contact);
+        domain.sleeping.push(SleepingContact { is_near: true, ..new });
+    }
+    Ok(())
+}
 
-    /// Removes the contacts of islands that do not sleep.
-    pub(crate) fn drop_contacts_of_woken(&mut self) {
-        let World { halo, asleep, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        if domain.sleeping.is_empty() {
-            return;
-        }
-        let islands: Vec<u32> = asleep.islands().collect();
-        let mut names: Vec<Id> = asleep.names(&islands).collect();
-        names.sort_unstable();
-        domain.sleeping.retain(|of| names.binary_search(&of.island).is_ok());
+/// Removes the contacts of islands that do not sleep.
+pub(super) fn drop_contacts_of_woken(world: &mut World) {
+    let World { bodies: Bodies { asleep, .. }, halo, .. } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    if domain.sleeping.is_empty() {
+        return;
     }
+    let islands: Vec<u32> = asleep.islands().collect();
+    let mut names: Vec<Id> = asleep.names(&islands).collect();
+    names.sort_unstable();
+    domain.sleeping.retain(|of| names.binary_search(&of.island).is_ok());
 }
 
 /// The groups of own particles with ghosts, by their first indices.

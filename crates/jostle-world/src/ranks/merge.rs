@@ -4,13 +4,17 @@
 //! that other ranks may have a part of, and join them. The members of an island go to the rank of the
 //! smallest id, which merges them in the order in which one process has them.
 
+use super::domain::{domain_of, domain_of_mut};
+use super::reductions::sum_up;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 
 use super::carried::Push;
 use super::{RECORD, put_record, read_records};
 use crate::particles::Particles;
+use crate::world::bodies::ids::Ids;
 use crate::world::edits::{renumber, retain_unless};
-use crate::world::ids::Ids;
 use crate::world::merge::{joint_acceleration, union};
 use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
@@ -89,217 +93,221 @@ struct Merged {
     first: usize,
 }
 
-impl World {
-    /// Own particles of islands of touching particles, in the order of indices.
-    pub(crate) fn members_of_islands(&self, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
-        let Some(domain) = self.domain() else { return Ok(Vec::new()) };
-        let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
-        let mut groups = DisjointSets::default();
-        groups.reset(self.rows.len());
-        touching.iter().for_each(|&[a, b]| groups.join(a, b));
-        let mut indices: Vec<[u32; 2]> =
-            touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
-        indices.sort_unstable();
-        indices.dedup();
-        let rank = locked(&domain.group).rank();
-        let (mut own, mut words, mut shared) = (Vec::new(), Vec::new(), Vec::new());
-        for group in indices.chunk_by(|a, b| a[0] == b[0]) {
-            let rows = group.iter().map(|&[_, index]| self.rows[index as usize]);
-            if rows.clone().any(|row| !domain.owns(row) || is_sent(row)) {
-                // A particle near immovable ones of other ranks need not be a ghost there.
-                let indices = group.iter().map(|&[_, index]| index);
-                shared.extend(indices.filter(|&index| !is_sent(self.rows[index as usize])));
-                words.push(group.len() as u64);
-                words.extend(
-                    rows.flat_map(|row| [domain.id(row) as u64, domain.rank_of(row) as u64]),
-                );
-            } else {
-                let island = rows.map(|row| domain.id(row)).min().unwrap_or_default();
-                own.extend(group.iter().map(|&[_, index]| Member { index, island, rank }));
+/// Own particles of islands of touching particles, in the order of indices.
+pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
+    let Some(domain) = domain_of(world) else { return Ok(Vec::new()) };
+    let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
+    let mut groups = DisjointSets::default();
+    groups.reset(world.bodies.awake.rows.len());
+    touching.iter().for_each(|&[a, b]| groups.join(a, b));
+    let mut indices: Vec<[u32; 2]> =
+        touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+    indices.sort_unstable();
+    indices.dedup();
+    let rank = locked(&domain.group).rank();
+    let (mut own, mut words, mut shared) = (Vec::new(), Vec::new(), Vec::new());
+    for group in indices.chunk_by(|a, b| a[0] == b[0]) {
+        let rows = group.iter().map(|&[_, index]| world.bodies.awake.rows[index as usize]);
+        if rows.clone().any(|row| !domain.owns(row) || is_sent(row)) {
+            // A particle near immovable ones of other ranks need not be a ghost there.
+            let indices = group.iter().map(|&[_, index]| index);
+            shared
+                .extend(indices.filter(|&index| !is_sent(world.bodies.awake.rows[index as usize])));
+            words.push(group.len() as u64);
+            words.extend(rows.flat_map(|row| [domain.id(row) as u64, domain.rank_of(row) as u64]));
+        } else {
+            let island = rows.map(|row| domain.id(row)).min().unwrap_or_default();
+            own.extend(group.iter().map(|&[_, index]| Member { index, island, rank }));
+        }
+    }
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    let all = locked(&domain.group).share(&bytes)?.concat();
+    let islands = join(&all);
+    let sent = (0..).zip(&world.bodies.awake.rows).filter(|&(_, &row)| is_sent(row));
+    let shared = shared.into_iter().chain(sent.map(|(index, _)| index));
+    own.extend(shared.filter_map(|index| {
+        let row = world.bodies.awake.rows[index as usize];
+        let &(island, rank) = islands.get(&domain.id(row)).filter(|_| domain.owns(row))?;
+        Some(Member { index, island, rank })
+    }));
+    own.sort_unstable_by_key(|of| of.index);
+    Ok(own)
+}
+
+/// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
+pub(super) fn merge_members(world: &mut World, members: &[Member]) -> Result<bool> {
+    let to = put_members(world, members);
+    let Some(domain) = domain_of(world) else { return Ok(false) };
+    let arrived = locked(&domain.group).exchange(&to)?;
+    let arrived = read_members(world, &arrived)?;
+    let merged = unions(world, &arrived);
+    let Some(domain) = domain_of(world) else { return Ok(false) };
+    let mut names = vec![Vec::new(); to.len()];
+    let islands: HashMap<Id, ()> = merged.iter().map(|of| (of.island, ())).collect();
+    for of in arrived.details.iter().filter(|of| islands.contains_key(&of.island)) {
+        names[of.rank].extend((of.island as u64).to_le_bytes());
+    }
+    let names = locked(&domain.group).exchange(&names)?.concat();
+    let (names, _) = names.as_chunks::<8>();
+    let mut names: Vec<Id> = names.iter().map(|name| Id::from_le_bytes(*name)).collect();
+    names.sort_unstable();
+    let has_merged = |of: &&Member| names.binary_search(&of.island).is_ok();
+    let members: Vec<Member> = members.iter().filter(has_merged).copied().collect();
+    let gone = members.iter().filter(|of| id_of_index(world, of.index) != of.island).count();
+    let [gone] = world.halo().sum([gone as u64])?;
+    if gone == 0 {
+        return Ok(false);
+    }
+    let before = &mut world.scratch.before;
+    before.ids.get_or_insert_with(|| world.bodies.ids.clone());
+    let domain = domain_of_mut(world);
+    if domain.before.is_none() {
+        domain.before = Some(domain.count());
+    }
+    write_merged(world, &members, &merged, &arrived.states[0]);
+    remove_members(world, &members);
+    domain_of_mut(world).total -= gone as usize;
+    sum_up(world)?;
+    world.end_external_of_none()?;
+    Ok(true)
+}
+
+fn id_of_index(world: &World, index: u32) -> Id {
+    world.id_among_all(world.bodies.awake.rows[index as usize])
+}
+
+/// Members as bytes, for the ranks that merge them.
+fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
+    let Some(domain) = domain_of(world) else { return Vec::new() };
+    let mut to = vec![Vec::new(); locked(&domain.group).size()];
+    let mut pushes: HashMap<u32, Vec<Push>> = HashMap::new();
+    for of in &world.wall_impulses {
+        pushes.entry(of.row).or_default().push(Push::new(0, of));
+    }
+    for &Member { index, island, rank } in members {
+        let (at, row) = (index as usize, world.bodies.awake.rows[index as usize]);
+        let to = &mut to[rank];
+        put_record(to, domain.id(row), &world.scratch.starts, at);
+        put_record(to, domain.id(row), &world.bodies.awake.particles, at);
+        let external =
+            world.external_accelerations().get(row as usize).copied().unwrap_or_default();
+        let is_exhausted = world.scratch.exhausted.binary_search(&row).is_ok();
+        let pushes = pushes.remove(&row).unwrap_or_default();
+        Details { island, rank, external, is_exhausted, pushes }.put(to);
+    }
+    to
+}
+
+/// Reads members, and puts them in order.
+fn read_members(world: &World, from: &[Vec<u8>]) -> Result<Arrived> {
+    let (mut starts, mut ends, mut details) = (Vec::new(), Vec::new(), Vec::new());
+    for (rank, bytes) in from.iter().enumerate() {
+        let mut rest = &bytes[..];
+        while !rest.is_empty() {
+            for records in [&mut starts, &mut ends] {
+                records.extend_from_slice(rest.split_off(..RECORD).unwrap_or_default());
             }
+            details.push(Details::get(&mut rest, rank));
         }
-        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        let all = locked(&domain.group).share(&bytes)?.concat();
-        let islands = join(&all);
-        let sent = (0..).zip(&self.rows).filter(|&(_, &row)| is_sent(row));
-        let shared = shared.into_iter().chain(sent.map(|(index, _)| index));
-        own.extend(shared.filter_map(|index| {
-            let row = self.rows[index as usize];
-            let &(island, rank) = islands.get(&domain.id(row)).filter(|_| domain.owns(row))?;
-            Some(Member { index, island, rank })
-        }));
-        own.sort_unstable_by_key(|of| of.index);
-        Ok(own)
     }
+    let (starts, ids) = read_records(&starts);
+    let tie = |a: usize, b: usize| starts.compare(a, b).then_with(|| ids[a].cmp(&ids[b]));
+    let centers = starts.positions.clone();
+    let shapes = Shapes::circles(centers, Each::One(0.0))?;
+    let mut tree = Quadtree::default();
+    tree.set_extent(world.scratch.tree.extent());
+    tree.set_nested();
+    tree.rebuild_unchecked(&shapes, world.settings.tree, &tie)?;
+    let order = tree.rows().iter().map(|&row| row as usize).collect();
+    Ok(Arrived { states: [starts, read_records(&ends).0], details, order })
+}
 
-    /// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
-    pub(crate) fn merge_members(&mut self, members: &[Member]) -> Result<bool> {
-        let to = self.put_members(members);
-        let Some(domain) = self.domain() else { return Ok(false) };
-        let arrived = locked(&domain.group).exchange(&to)?;
-        let arrived = self.read_members(&arrived)?;
-        let merged = self.unions(&arrived);
-        let Some(domain) = self.domain() else { return Ok(false) };
-        let mut names = vec![Vec::new(); to.len()];
-        let islands: HashMap<Id, ()> = merged.iter().map(|of| (of.island, ())).collect();
-        for of in arrived.details.iter().filter(|of| islands.contains_key(&of.island)) {
-            names[of.rank].extend((of.island as u64).to_le_bytes());
+/// Merges the islands whose members have arrived. Those that cannot merge are left out.
+fn unions(world: &World, arrived: &Arrived) -> Vec<Merged> {
+    let Arrived { states: [_, ends], details, order } = arrived;
+    let mut all = order.clone();
+    all.sort_by_key(|&at| details[at].island);
+    let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
+    let merge = |members: &[usize]| {
+        let particle = union(ends, members, &world.settings.container)?;
+        let external = members.iter().map(|&at| (ends.masses[at], details[at].external));
+        Some(Merged {
+            island: details[members[0]].island,
+            particle,
+            external: joint_acceleration(external),
+            is_exhausted: members.iter().any(|&at| details[at].is_exhausted),
+            pushes: members.iter().flat_map(|&at| details[at].pushes.clone()).collect(),
+            first: members[0],
+        })
+    };
+    islands.filter_map(merge).collect()
+}
+
+/// Writes merged particles over those of their members that keep their ids, and gives them what has been
+/// recorded of all in this step: the impulses of walls, and that one was exhausted. Their
+/// resting impulses begin with 0.
+fn write_merged(world: &mut World, members: &[Member], merged: &[Merged], starts: &Particles) {
+    let rows: Vec<u32> =
+        members.iter().map(|of| world.bodies.awake.rows[of.index as usize]).collect();
+    let mut has_merged = vec![false; world.bodies.awake.rows.len()];
+    rows.iter().for_each(|&row| has_merged[row as usize] = true);
+    let heirs: HashMap<Id, u32> = members
+        .iter()
+        .filter(|of| id_of_index(world, of.index) == of.island)
+        .map(|of| (of.island, of.index))
+        .collect();
+    let World {
+        bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, wall_impulses, ..
+    } = world;
+    let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
+    wall_impulses.retain(|of| !has_merged[of.row as usize]);
+    wall_pushes.retain(|of| !has_merged[of.row as usize]);
+    exhausted.retain(|&row| !has_merged[row as usize]);
+    for of in merged {
+        let Some(&index) = heirs.get(&of.island) else { continue };
+        let (len, at, row) = (
+            world.bodies.awake.rows.len(),
+            index as usize,
+            world.bodies.awake.rows[index as usize],
+        );
+        particles.put(len, at, &of.particle, 0);
+        own_starts.put(len, at, starts, of.first);
+        let pushes = of.pushes.iter().map(|push| push.of_row(row));
+        wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
+        exhausted.extend(of.is_exhausted.then_some(row));
+        if let Some(external) = &mut world.external {
+            external[row as usize] = of.external;
         }
-        let names = locked(&domain.group).exchange(&names)?.concat();
-        let (names, _) = names.as_chunks::<8>();
-        let mut names: Vec<Id> = names.iter().map(|name| Id::from_le_bytes(*name)).collect();
-        names.sort_unstable();
-        let has_merged = |of: &&Member| names.binary_search(&of.island).is_ok();
-        let members: Vec<Member> = members.iter().filter(has_merged).copied().collect();
-        let gone = members.iter().filter(|of| self.id_of_index(of.index) != of.island).count();
-        let [gone] = self.halo().sum([gone as u64])?;
-        if gone == 0 {
-            return Ok(false);
-        }
-        let before = &mut self.scratch.before;
-        before.ids.get_or_insert_with(|| self.ids.clone());
-        let domain = self.domain_mut();
-        if domain.before.is_none() {
-            domain.before = Some(domain.count());
-        }
-        self.write_merged(&members, &merged, &arrived.states[0]);
-        self.remove_members(&members);
-        self.domain_mut().total -= gone as usize;
-        self.sum_up_ranks()?;
-        self.end_external_of_none()?;
-        Ok(true)
     }
+    exhausted.sort_unstable();
+}
 
-    fn id_of_index(&self, index: u32) -> Id {
-        self.id_among_all(self.rows[index as usize])
+/// Removes the members that are part of others now, and all ghosts.
+fn remove_members(world: &mut World, members: &[Member]) {
+    let Some(domain) = domain_of(world) else { return };
+    let mut gone: Vec<bool> =
+        (0..world.bodies.awake.rows.len() as u32).map(|row| !domain.owns(row)).collect();
+    let mut merged = Vec::new();
+    for of in members {
+        let row = world.bodies.awake.rows[of.index as usize];
+        if domain.id(row) != of.island {
+            gone[row as usize] = true;
+            merged.push([domain.id(row), of.island]);
+        }
     }
-
-    /// Members as bytes, for the ranks that merge them.
-    fn put_members(&self, members: &[Member]) -> Vec<Vec<u8>> {
-        let Some(domain) = self.domain() else { return Vec::new() };
-        let mut to = vec![Vec::new(); locked(&domain.group).size()];
-        let mut pushes: HashMap<u32, Vec<Push>> = HashMap::new();
-        for of in &self.wall_impulses {
-            pushes.entry(of.row).or_default().push(Push::new(0, of));
-        }
-        for &Member { index, island, rank } in members {
-            let (at, row) = (index as usize, self.rows[index as usize]);
-            let to = &mut to[rank];
-            put_record(to, domain.id(row), &self.scratch.starts, at);
-            put_record(to, domain.id(row), &self.particles, at);
-            let external =
-                self.external_accelerations().get(row as usize).copied().unwrap_or_default();
-            let is_exhausted = self.scratch.exhausted.binary_search(&row).is_ok();
-            let pushes = pushes.remove(&row).unwrap_or_default();
-            Details { island, rank, external, is_exhausted, pushes }.put(to);
-        }
-        to
-    }
-
-    /// Reads members, and puts them in order.
-    fn read_members(&self, from: &[Vec<u8>]) -> Result<Arrived> {
-        let (mut starts, mut ends, mut details) = (Vec::new(), Vec::new(), Vec::new());
-        for (rank, bytes) in from.iter().enumerate() {
-            let mut rest = &bytes[..];
-            while !rest.is_empty() {
-                for records in [&mut starts, &mut ends] {
-                    records.extend_from_slice(rest.split_off(..RECORD).unwrap_or_default());
-                }
-                details.push(Details::get(&mut rest, rank));
-            }
-        }
-        let (starts, ids) = read_records(&starts);
-        let tie = |a: usize, b: usize| starts.compare(a, b).then_with(|| ids[a].cmp(&ids[b]));
-        let centers = starts.positions.clone();
-        let shapes = Shapes::circles(centers, Each::One(0.0))?;
-        let mut tree = Quadtree::default();
-        tree.set_extent(self.scratch.tree.extent());
-        tree.set_nested();
-        tree.rebuild_unchecked(&shapes, self.settings.tree, &tie)?;
-        let order = tree.rows().iter().map(|&row| row as usize).collect();
-        Ok(Arrived { states: [starts, read_records(&ends).0], details, order })
-    }
-
-    /// Merges the islands whose members have arrived. Those that cannot merge are left out.
-    fn unions(&self, arrived: &Arrived) -> Vec<Merged> {
-        let Arrived { states: [_, ends], details, order } = arrived;
-        let mut all = order.clone();
-        all.sort_by_key(|&at| details[at].island);
-        let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
-        let merge = |members: &[usize]| {
-            let particle = union(ends, members, &self.settings.container)?;
-            let external = members.iter().map(|&at| (ends.masses[at], details[at].external));
-            Some(Merged {
-                island: details[members[0]].island,
-                particle,
-                external: joint_acceleration(external),
-                is_exhausted: members.iter().any(|&at| details[at].is_exhausted),
-                pushes: members.iter().flat_map(|&at| details[at].pushes.clone()).collect(),
-                first: members[0],
-            })
-        };
-        islands.filter_map(merge).collect()
-    }
-
-    /// Writes merged particles over those of their members that keep their ids, and gives them what has been
-    /// recorded of all in this step: the impulses of walls, and that one was exhausted. Their
-    /// resting impulses begin with 0.
-    fn write_merged(&mut self, members: &[Member], merged: &[Merged], starts: &Particles) {
-        let rows: Vec<u32> = members.iter().map(|of| self.rows[of.index as usize]).collect();
-        let mut has_merged = vec![false; self.rows.len()];
-        rows.iter().for_each(|&row| has_merged[row as usize] = true);
-        let heirs: HashMap<Id, u32> = members
-            .iter()
-            .filter(|of| self.id_of_index(of.index) == of.island)
-            .map(|of| (of.island, of.index))
-            .collect();
-        let Self { particles, scratch, wall_impulses, .. } = self;
-        let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
-        wall_impulses.retain(|of| !has_merged[of.row as usize]);
-        wall_pushes.retain(|of| !has_merged[of.row as usize]);
-        exhausted.retain(|&row| !has_merged[row as usize]);
-        for of in merged {
-            let Some(&index) = heirs.get(&of.island) else { continue };
-            let (len, at, row) = (self.rows.len(), index as usize, self.rows[index as usize]);
-            particles.put(len, at, &of.particle, 0);
-            own_starts.put(len, at, starts, of.first);
-            let pushes = of.pushes.iter().map(|push| push.of_row(row));
-            wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
-            exhausted.extend(of.is_exhausted.then_some(row));
-            if let Some(external) = &mut self.external {
-                external[row as usize] = of.external;
-            }
-        }
-        exhausted.sort_unstable();
-    }
-
-    /// Removes the members that are part of others now, and all ghosts.
-    fn remove_members(&mut self, members: &[Member]) {
-        let Some(domain) = self.domain() else { return };
-        let mut gone: Vec<bool> =
-            (0..self.rows.len() as u32).map(|row| !domain.owns(row)).collect();
-        let mut merged = Vec::new();
-        for of in members {
-            let row = self.rows[of.index as usize];
-            if domain.id(row) != of.island {
-                gone[row as usize] = true;
-                merged.push([domain.id(row), of.island]);
-            }
-        }
-        merged.sort_unstable();
-        let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
-        self.scratch.starts.keep(&keep);
-        let shifted = self.take_out(&gone);
-        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
-        renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
-        renumber(exhausted, |row| row, (&gone, &shifted));
-        self.ids = Ids::of_rows(self.rows.len());
-        let domain = self.domain_mut();
-        retain_unless(&mut domain.ids, &gone);
-        domain.own = domain.ids.len();
-        if !merged.is_empty() {
-            self.record.add_merged(merged);
-        }
+    merged.sort_unstable();
+    let keep: Vec<bool> = world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
+    world.scratch.starts.keep(&keep);
+    let shifted = world.take_out(&gone);
+    let StepScratch { wall_pushes, exhausted, .. } = &mut world.scratch;
+    renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
+    renumber(exhausted, |row| row, (&gone, &shifted));
+    world.bodies.ids = Ids::of_rows(world.bodies.awake.rows.len());
+    let domain = domain_of_mut(world);
+    retain_unless(&mut domain.ids, &gone);
+    domain.own = domain.ids.len();
+    if !merged.is_empty() {
+        world.record.add_merged(merged);
     }
 }
 

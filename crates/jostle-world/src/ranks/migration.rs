@@ -1,6 +1,11 @@
 //! Migration: particles move to the ranks in whose domains they are, with what the solver keeps of them. Ghosts
 //! are added and removed here too.
 
+use super::carried::{keep_resting, take_kept_of};
+use super::domain::{domain_of, domain_of_mut};
+use super::reductions::sum_up;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
@@ -10,8 +15,8 @@ use super::{
     Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
 use crate::world::World;
+use crate::world::bodies::ids::Ids;
 use crate::world::edits::retain_unless;
-use crate::world::ids::Ids;
 use jostle_base::bytes::{Plain, append, read_all};
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
@@ -31,223 +36,238 @@ struct Leaving {
     destinations: HashMap<u32, usize>,
 }
 
-impl World {
-    /// Removes the ghosts.
-    pub fn drop_ghosts(&mut self) {
-        self.keep_resting();
-        if self.halo.is_whole() {
-            return;
-        }
-        let Self { halo, particles, rows, persistent, contacts, ids, external, .. } = self;
-        let wall_impulses = &mut self.wall_impulses;
-        let domain = Domain::of_mut(&mut **halo);
-        let own = domain.own;
-        if domain.has_ghosts() {
-            let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
-            let mut end = rows.len();
-            for index in 0..awake {
-                if domain.owns(rows[index]) {
-                    continue;
-                }
-                // The last entries move to the indices of ghosts.
-                end -= 1;
-                while !domain.owns(rows[end]) {
-                    end -= 1;
-                }
-                particles.move_row(end, index);
-                persistent.move_row(end, index);
-                rows[index] = rows[end];
-            }
-            particles.resize(awake);
-            persistent.resize(awake);
-            rows.truncate(awake);
-            domain.ids.truncate(own);
-            external.iter_mut().for_each(|external| external.truncate(own));
-            wall_impulses.retain(|of| (of.row as usize) < own);
-            *ids = Ids::of_rows(own);
-        }
-        contacts.forget();
-        self.forget_indices();
+/// Removes the ghosts.
+pub fn drop_ghosts(world: &mut World) {
+    keep_resting(world);
+    if world.halo.is_whole() {
+        return;
     }
-
-    /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
-    pub(crate) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
-        let Self { halo, particles, rows, persistent, ids, external, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        let first = domain.ids.len();
-        for bytes in bytes {
-            let (new, new_ids) = read_records(bytes);
-            particles.extend(&new);
-            domain.ids.extend(new_ids);
-        }
-        let len = domain.ids.len();
-        rows.extend(first as u32..len as u32);
-        persistent.resize(rows.len());
-        external.iter_mut().for_each(|external| external.resize(len, [0.0; 2]));
-        *ids = Ids::of_rows(len);
-        if are_own {
-            domain.own = len;
-        }
-        self.forget_indices();
-    }
-
-    /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
-    /// require. There must be no ghosts.
-    pub(crate) fn move_to_domains(&mut self) -> Result<()> {
-        let is_due = self.domain().is_some_and(|domain| domain.is_due());
-        if is_due {
-            self.rebalance()?;
-        }
-        self.sum_up_ranks()?;
-        // All ranks have done it, or none.
-        if is_due {
-            let domain = self.domain_mut();
-            (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
-            domain.rebalances += 1;
-        }
-        Ok(())
-    }
-
-    /// Cuts the Morton curve anew, and moves particles to the ranks of their domains.
-    pub(crate) fn rebalance(&mut self) -> Result<()> {
-        let Self { halo, settings, particles, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        if locked(&domain.group).size() < 2 {
-            self.renumber();
-            return Ok(());
-        }
-        let container = settings.container;
-        let wrapped: Vec<_> =
-            particles.positions.iter().map(|&at| container.period().wrap(at)).collect();
-        domain.scales = scales_of_all(&domain.group, &wrapped, container.period())?;
-        let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
-        let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
-        let leaving = self.leaving(&keys, &cuts);
-        let Some(domain) = self.domain() else { return Ok(()) };
-        // After a failed exchange the other ranks make no further one.
-        let has_external = self.external.is_some();
-        let (records, kept, resting, pushes, external) = {
-            let mut group = locked(&domain.group);
-            let records = group.exchange(&leaving.records)?;
-            let kept = group.exchange(&leaving.kept)?.concat();
-            let resting = group.exchange(&leaving.resting)?.concat();
-            let pushes = group.exchange(&leaving.pushes)?.concat();
-            let external =
-                if has_external { group.exchange(&leaving.external)?.concat() } else { vec![] };
-            (records, kept, resting, pushes, external)
-        };
-        let first = self.leave(&leaving.destinations);
-        self.append_records(&records, true);
-        if let Some(all) = &mut self.external {
-            let new = external.chunks_exact(8).map(<[f32; 2]>::load);
-            all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
-        }
-        let Some(domain) = self.domain() else { return Ok(()) };
-        let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
-        let resting = read_all::<Resting>(&resting).collect();
-        self.take_kept_of(&rows, [&kept, &pushes], resting)?;
-        self.renumber();
-        Ok(())
-    }
-
-    /// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
-    /// stored by indices.
-    fn renumber(&mut self) {
-        let Self { halo, rows, wall_impulses, external, asleep, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        let mut new = vec![0; domain.own];
-        let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
-        (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
-        if let Some(external) = external {
-            *external = old.iter().map(|&row| external[row as usize]).collect();
-        }
-        domain.ids = old.iter().map(|&row| domain.ids[row as usize]).collect();
-        asleep.renumber(&new);
-        for of in &mut domain.resting {
-            of.rows = of.rows.map(|row| new.get(row as usize).copied().unwrap_or(NONE));
-        }
-        wall_impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
-        wall_impulses.sort_by_key(|of| (of.row, of.wall));
-        (0..).zip(rows).for_each(|(index, row)| *row = index);
-        self.forget_indices();
-    }
-
-    /// What leaves this rank.
-    fn leaving(&self, keys: &[u64], cuts: &[u64]) -> Leaving {
-        let none = || vec![Vec::new(); cuts.len() + 1];
-        let mut leaving = Leaving {
-            records: none(),
-            kept: none(),
-            resting: none(),
-            pushes: none(),
-            external: none(),
-            destinations: HashMap::new(),
-        };
-        let Some(domain) = self.domain() else { return leaving };
-        let rank = locked(&domain.group).rank();
-        for (index, key) in keys.iter().enumerate() {
-            let destination = cuts.partition_point(|cut| cut <= key);
-            if destination == rank {
+    let World {
+        bodies: Bodies { awake: Discs { particles, rows, persistent }, ids, .. },
+        halo,
+        contacts,
+        external,
+        ..
+    } = world;
+    let wall_impulses = &mut world.wall_impulses;
+    let domain = Domain::of_mut(&mut **halo);
+    let own = domain.own;
+    if domain.has_ghosts() {
+        let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
+        let mut end = rows.len();
+        for index in 0..awake {
+            if domain.owns(rows[index]) {
                 continue;
             }
-            let row = self.rows[index];
-            let id = domain.id(row);
-            put_record(&mut leaving.records[destination], id, &self.particles, index);
-            put_kept(&mut leaving.kept[destination], id, &self.persistent, index);
-            if let Some(external) = &self.external {
-                let bytes = external[row as usize].iter().flat_map(|a| a.to_le_bytes());
-                leaving.external[destination].extend(bytes);
+            // The last entries move to the indices of ghosts.
+            end -= 1;
+            while !domain.owns(rows[end]) {
+                end -= 1;
             }
-            leaving.destinations.insert(row, destination);
+            particles.move_row(end, index);
+            persistent.move_row(end, index);
+            rows[index] = rows[end];
         }
-        for of in &domain.resting {
-            let mut destinations = of.rows.map(|row| leaving.destinations.get(&row).copied());
-            if destinations[0] == destinations[1] {
-                destinations[1] = None;
-            }
-            for destination in destinations.into_iter().flatten() {
-                append(&mut leaving.resting[destination], *of);
-            }
-        }
-        for of in &self.wall_impulses {
-            if let Some(&destination) = leaving.destinations.get(&of.row) {
-                put_push(&mut leaving.pushes[destination], domain.id(of.row), of);
-            }
-        }
-        leaving
+        particles.resize(awake);
+        persistent.resize(awake);
+        rows.truncate(awake);
+        domain.ids.truncate(own);
+        external.iter_mut().for_each(|external| external.truncate(own));
+        wall_impulses.retain(|of| (of.row as usize) < own);
+        *ids = Ids::of_rows(own);
     }
+    contacts.forget();
+    world.bodies.forget_indices();
+}
 
-    /// Removes the rows that leave; returns how many are left.
-    fn leave(&mut self, destinations: &HashMap<u32, usize>) -> usize {
-        let stays: Vec<bool> =
-            self.rows.iter().map(|row| !destinations.contains_key(row)).collect();
-        let mut left = 0;
-        let own = self.domain().map_or(0, |domain| domain.own);
-        let shifted: Vec<u32> = (0..own as u32)
-            .map(|row| {
-                let is_gone = destinations.contains_key(&row);
-                left += u32::from(!is_gone);
-                if is_gone { NONE } else { left - 1 }
-            })
-            .collect();
-        self.keep(&stays);
-        let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
-        self.external.iter_mut().for_each(|external| retain_unless(external, &gone));
-        self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        self.asleep.renumber(&shifted);
-        self.wall_impulses.retain_mut(|of| {
-            of.row = shifted[of.row as usize];
-            of.row != NONE
-        });
-        let domain = self.domain_mut();
-        let ids = domain.ids.iter().zip(&shifted).filter(|(_, row)| **row != NONE);
-        domain.ids = ids.map(|(id, _)| *id).collect();
-        domain.own = domain.ids.len();
-        for of in &mut domain.resting {
-            of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(NONE));
-        }
-        left as usize
+/// Adds particles of other ranks after the own ones, as own ones or as ghosts.
+pub(super) fn append_records(world: &mut World, bytes: &[Vec<u8>], are_own: bool) {
+    let World {
+        bodies: Bodies { awake: Discs { particles, rows, persistent }, ids, .. },
+        halo,
+        external,
+        ..
+    } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    let first = domain.ids.len();
+    for bytes in bytes {
+        let (new, new_ids) = read_records(bytes);
+        particles.extend(&new);
+        domain.ids.extend(new_ids);
     }
+    let len = domain.ids.len();
+    rows.extend(first as u32..len as u32);
+    persistent.resize(rows.len());
+    external.iter_mut().for_each(|external| external.resize(len, [0.0; 2]));
+    *ids = Ids::of_rows(len);
+    if are_own {
+        domain.own = len;
+    }
+    world.bodies.forget_indices();
+}
+
+/// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
+/// require. There must be no ghosts.
+pub(super) fn move_to_domains(world: &mut World) -> Result<()> {
+    let is_due = domain_of(world).is_some_and(|domain| domain.is_due());
+    if is_due {
+        rebalance(world)?;
+    }
+    sum_up(world)?;
+    // All ranks have done it, or none.
+    if is_due {
+        let domain = domain_of_mut(world);
+        (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
+        domain.rebalances += 1;
+    }
+    Ok(())
+}
+
+/// Cuts the Morton curve anew, and moves particles to the ranks of their domains.
+pub(super) fn rebalance(world: &mut World) -> Result<()> {
+    let World { bodies: Bodies { awake: Discs { particles, .. }, .. }, halo, settings, .. } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    if locked(&domain.group).size() < 2 {
+        renumber(world);
+        return Ok(());
+    }
+    let container = settings.container;
+    let wrapped: Vec<_> =
+        particles.positions.iter().map(|&at| container.period().wrap(at)).collect();
+    domain.scales = scales_of_all(&domain.group, &wrapped, container.period())?;
+    let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
+    let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
+    let leaving = leaving(world, &keys, &cuts);
+    let Some(domain) = domain_of(world) else { return Ok(()) };
+    // After a failed exchange the other ranks make no further one.
+    let has_external = world.external.is_some();
+    let (records, kept, resting, pushes, external) = {
+        let mut group = locked(&domain.group);
+        let records = group.exchange(&leaving.records)?;
+        let kept = group.exchange(&leaving.kept)?.concat();
+        let resting = group.exchange(&leaving.resting)?.concat();
+        let pushes = group.exchange(&leaving.pushes)?.concat();
+        let external =
+            if has_external { group.exchange(&leaving.external)?.concat() } else { vec![] };
+        (records, kept, resting, pushes, external)
+    };
+    let first = leave(world, &leaving.destinations);
+    append_records(world, &records, true);
+    if let Some(all) = &mut world.external {
+        let new = external.chunks_exact(8).map(<[f32; 2]>::load);
+        all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
+    }
+    let Some(domain) = domain_of(world) else { return Ok(()) };
+    let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
+    let resting = read_all::<Resting>(&resting).collect();
+    take_kept_of(world, &rows, [&kept, &pushes], resting)?;
+    renumber(world);
+    Ok(())
+}
+
+/// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
+/// stored by indices.
+fn renumber(world: &mut World) {
+    let World {
+        bodies: Bodies { awake: Discs { rows, .. }, asleep, .. },
+        halo,
+        wall_impulses,
+        external,
+        ..
+    } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    let mut new = vec![0; domain.own];
+    let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
+    (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
+    if let Some(external) = external {
+        *external = old.iter().map(|&row| external[row as usize]).collect();
+    }
+    domain.ids = old.iter().map(|&row| domain.ids[row as usize]).collect();
+    asleep.renumber(&new);
+    for of in &mut domain.resting {
+        of.rows = of.rows.map(|row| new.get(row as usize).copied().unwrap_or(NONE));
+    }
+    wall_impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
+    wall_impulses.sort_by_key(|of| (of.row, of.wall));
+    (0..).zip(rows).for_each(|(index, row)| *row = index);
+    world.bodies.forget_indices();
+}
+
+/// What leaves this rank.
+fn leaving(world: &World, keys: &[u64], cuts: &[u64]) -> Leaving {
+    let none = || vec![Vec::new(); cuts.len() + 1];
+    let mut leaving = Leaving {
+        records: none(),
+        kept: none(),
+        resting: none(),
+        pushes: none(),
+        external: none(),
+        destinations: HashMap::new(),
+    };
+    let Some(domain) = domain_of(world) else { return leaving };
+    let rank = locked(&domain.group).rank();
+    for (index, key) in keys.iter().enumerate() {
+        let destination = cuts.partition_point(|cut| cut <= key);
+        if destination == rank {
+            continue;
+        }
+        let row = world.bodies.awake.rows[index];
+        let id = domain.id(row);
+        put_record(&mut leaving.records[destination], id, &world.bodies.awake.particles, index);
+        put_kept(&mut leaving.kept[destination], id, &world.bodies.awake.persistent, index);
+        if let Some(external) = &world.external {
+            let bytes = external[row as usize].iter().flat_map(|a| a.to_le_bytes());
+            leaving.external[destination].extend(bytes);
+        }
+        leaving.destinations.insert(row, destination);
+    }
+    for of in &domain.resting {
+        let mut destinations = of.rows.map(|row| leaving.destinations.get(&row).copied());
+        if destinations[0] == destinations[1] {
+            destinations[1] = None;
+        }
+        for destination in destinations.into_iter().flatten() {
+            append(&mut leaving.resting[destination], *of);
+        }
+    }
+    for of in &world.wall_impulses {
+        if let Some(&destination) = leaving.destinations.get(&of.row) {
+            put_push(&mut leaving.pushes[destination], domain.id(of.row), of);
+        }
+    }
+    leaving
+}
+
+/// Removes the rows that leave; returns how many are left.
+fn leave(world: &mut World, destinations: &HashMap<u32, usize>) -> usize {
+    let stays: Vec<bool> =
+        world.bodies.awake.rows.iter().map(|row| !destinations.contains_key(row)).collect();
+    let mut left = 0;
+    let own = domain_of(world).map_or(0, |domain| domain.own);
+    let shifted: Vec<u32> = (0..own as u32)
+        .map(|row| {
+            let is_gone = destinations.contains_key(&row);
+            left += u32::from(!is_gone);
+            if is_gone { NONE } else { left - 1 }
+        })
+        .collect();
+    world.keep(&stays);
+    let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
+    world.external.iter_mut().for_each(|external| retain_unless(external, &gone));
+    world.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+    world.bodies.asleep.renumber(&shifted);
+    world.wall_impulses.retain_mut(|of| {
+        of.row = shifted[of.row as usize];
+        of.row != NONE
+    });
+    let domain = domain_of_mut(world);
+    let ids = domain.ids.iter().zip(&shifted).filter(|(_, row)| **row != NONE);
+    domain.ids = ids.map(|(id, _)| *id).collect();
+    domain.own = domain.ids.len();
+    for of in &mut domain.resting {
+        of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(NONE));
+    }
+    left as usize
 }
 
 /// The keys at which the domains of all ranks but the first begin.

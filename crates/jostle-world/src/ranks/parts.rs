@@ -2,7 +2,10 @@
 //! snapshot without particles, a table of chunks with their checksums, and the chunks, which have the particles
 //! of a range of ids and what the solver keeps of them.
 
+use super::carried::take_kept;
 use super::carried::{KEPT, Member, Push, Resting};
+use super::distribute::of_records;
+use super::edits::set_ids;
 use super::islands::SleepingContact;
 use super::{RECORD, read_records};
 use crate::world::World;
@@ -24,18 +27,16 @@ const CHUNK: u64 = 1 << 14;
 const SIZES: [usize; 6] =
     [RECORD, KEPT, Resting::SIZE, Push::SIZE, Member::SIZE, SleepingContact::SIZE];
 
-impl World {
-    /// Refuses the first bytes of `size` if neither a snapshot nor such a file begins with them, before
-    /// the others are read.
-    pub fn check_head(head: &[u8], size: u64) -> Result<()> {
-        if are_parts(head) { Ok(()) } else { Self::check_head_of_whole(head, size) }
-    }
+/// Refuses the first bytes of `size` if neither a snapshot nor such a file begins with them, before
+/// the others are read.
+pub fn check_head(head: &[u8], size: u64) -> Result<()> {
+    if are_parts(head) { Ok(()) } else { World::check_head(head, size) }
+}
 
-    /// The world of a snapshot, or of a file that the ranks of a distributed world have written. Refuses
-    /// bytes that are neither, are cut off or damaged.
-    pub fn restore(bytes: &[u8]) -> Result<Self> {
-        if are_parts(bytes) { restore(bytes) } else { Self::restore_whole(bytes) }
-    }
+/// The world of a snapshot, or of a file that the ranks of a distributed world have written. Refuses
+/// bytes that are neither, are cut off or damaged.
+pub fn restore(bytes: &[u8]) -> Result<World> {
+    if are_parts(bytes) { restore_parts(bytes) } else { World::restore(bytes) }
 }
 
 /// Whether bytes begin like such a file.
@@ -44,7 +45,7 @@ fn are_parts(bytes: &[u8]) -> bool {
 }
 
 /// The world of such a file.
-fn restore(bytes: &[u8]) -> Result<World> {
+fn restore_parts(bytes: &[u8]) -> Result<World> {
     let mut from = Reader::without_head(&bytes[MAGIC.len()..]);
     let version: u64 = from.get()?;
     if version != VERSION {
@@ -53,7 +54,7 @@ fn restore(bytes: &[u8]) -> Result<World> {
     }
     let (total, next): (u64, u64) = (from.get()?, from.get()?);
     let settings = from.get_count()?;
-    let settings = World::restore_whole(&from.get_all::<u8>(settings)?)?;
+    let settings = World::restore(&from.get_all::<u8>(settings)?)?;
     let table: Vec<[u64; 2]> = from.get_all(next.div_ceil(CHUNK) as usize)?;
     let mut parts = [const { Vec::new() }; SIZES.len()];
     for [size, sum] in table {
@@ -75,12 +76,12 @@ fn restore(bytes: &[u8]) -> Result<World> {
         return Err(damaged("the number of its particles is wrong"));
     }
     let valid = |error: Error| damaged(&error.to_string());
-    let mut world = settings.of_records(records).map_err(valid)?;
-    world.set_ids(&ids, next as Id).map_err(valid)?;
-    world.take_kept([kept, resting, pushes, members, touches])?;
+    let mut world = of_records(&settings, records).map_err(valid)?;
+    set_ids(&mut world, &ids, next as Id).map_err(valid)?;
+    take_kept(&mut world, [kept, resting, pushes, members, touches])?;
     world.check_wall_impulses()?;
     world.check_sleeping()?;
-    if !world.asleep.is_empty() && !world.may_sleep() {
+    if !world.bodies.asleep.is_empty() && !world.may_sleep() {
         return Err(damaged("nothing can sleep in it"));
     }
     Ok(world)

@@ -15,6 +15,16 @@
 //! contradictions is unique. The colours of contacts are compared, too. Otherwise, or if a particle
 //! got further than announced, all ranks repeat the step with a wider halo.
 
+use super::carried::recall_resting;
+use super::domain::{domain_of, domain_of_mut};
+use super::edits::wake_edited;
+use super::ghosts::{exchange_ghosts, exchange_static_ghosts, renew_ghosts};
+use super::islands::{drop_contacts_of_woken, join_islands, keep_pairs_of_sleepers};
+use super::merge::{members_of_islands, merge_members};
+use super::migration::{drop_ghosts, move_to_domains};
+use super::waking::{recall_contacts_of_woken, wake_touched};
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
@@ -53,12 +63,12 @@ impl Protocol for Ranks {
     }
 
     fn begin_step(&self, world: &mut World) {
-        world.drop_ghosts();
+        drop_ghosts(world);
     }
 
     fn migrate(&self, world: &mut World) -> Result<bool> {
-        world.move_to_domains()?;
-        let domain = world.domain_mut();
+        move_to_domains(world)?;
+        let domain = domain_of_mut(world);
         if domain.is_still {
             domain.steps += 1;
             world.wall_impulses.clear();
@@ -72,27 +82,27 @@ impl Protocol for Ranks {
     }
 
     fn gather(&self, world: &mut World, dt: f32) -> Result<()> {
-        world.domain_mut().before = None;
-        let has_all = world.exchange_ghosts(dt)?;
-        world.domain_mut().has_all = has_all;
-        world.recall_resting();
+        domain_of_mut(world).before = None;
+        let has_all = exchange_ghosts(world, dt)?;
+        domain_of_mut(world).has_all = has_all;
+        recall_resting(world);
         Ok(())
     }
 
     fn renew(&self, world: &mut World, dt: f32) -> Result<()> {
-        world.renew_ghosts(dt)
+        renew_ghosts(world, dt)
     }
 
     fn begin_part(&self, world: &mut World) {
         // Particles merge in the order that they have now.
         if world.settings.on_touch == OnTouch::Merge {
-            world.scratch.starts.clone_from(&world.particles);
+            world.scratch.starts.clone_from(&world.bodies.awake.particles);
         }
-        world.find_shared();
+        find_shared(world);
     }
 
     fn share_accelerations(&self, world: &mut World) -> Result<()> {
-        world.share_accelerations()
+        share_accelerations(world)
     }
 
     fn agree_on_order(
@@ -101,7 +111,13 @@ impl Protocol for Ranks {
         own: ContactShape,
         refinement: usize,
     ) -> Result<(ContactShape, usize)> {
-        let World { particles, scratch, contacts, halo, rows, .. } = world;
+        let World {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
+            scratch,
+            contacts,
+            halo,
+            ..
+        } = world;
         let domain = Domain::of_mut(&mut **halo);
         let of_pairs = domain.digest_colours(contacts, &scratch.overlaps, particles, rows);
         let (mut shape, refinement) = domain.shape_of_all(own, refinement)?;
@@ -113,36 +129,42 @@ impl Protocol for Ranks {
     }
 
     fn limit(&self, world: &mut World) {
-        let World { particles, scratch, settings, halo, rows, .. } = world;
+        let World {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
+            scratch,
+            settings,
+            halo,
+            ..
+        } = world;
         Domain::of_mut(&mut **halo).limit(particles, rows, &settings.container, scratch);
     }
 
     fn end_part(&self, world: &mut World) {
-        world.digest_shared();
+        digest_shared(world);
     }
 
     fn must_repeat(&self, world: &mut World) -> Result<bool> {
-        let agreement = world.compare_with_other_ranks()?;
+        let agreement = compare_with_other_ranks(world)?;
         world.scratch.agreement = Some(agreement);
         Ok(agreement != Agreement::Same)
     }
 
     fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
-        let members = world.members_of_islands(touching)?;
-        world.merge_members(&members)
+        let members = members_of_islands(world, touching)?;
+        merge_members(world, &members)
     }
 
     fn gather_near(&self, world: &mut World) -> Result<()> {
-        world.exchange_static_ghosts()
+        exchange_static_ghosts(world)
     }
 
     fn compare(&self, world: &mut World) -> Result<Agreement> {
-        world.compare_with_other_ranks()
+        compare_with_other_ranks(world)
     }
 
     fn end_step(&self, world: &mut World) {
         let has_contacts = world.contacts.has_impulses();
-        let domain = world.domain_mut();
+        let domain = domain_of_mut(world);
         domain.steps += 1;
         // The next steps need about as much.
         domain.widening = (domain.widened * NARROWING).clamp(1.0, MAX_WIDENING);
@@ -153,16 +175,16 @@ impl Protocol for Ranks {
     }
 
     fn undo(&self, world: &mut World) {
-        let domain = world.domain_mut();
+        let domain = domain_of_mut(world);
         domain.note_further();
         if let Some(count) = domain.before.take() {
             domain.restore(count);
         }
-        world.drop_ghosts();
+        drop_ghosts(world);
     }
 
     fn widen(&self, world: &mut World, agreement: Agreement, dt: f64) -> Result<()> {
-        let domain = world.domain_mut();
+        let domain = domain_of_mut(world);
         if agreement == Agreement::Different && domain.has_all {
             let rule = "the ranks do not agree on the step; please report it";
             return Err(Error::of("dt", dt, rule));
@@ -173,155 +195,161 @@ impl Protocol for Ranks {
     }
 
     fn give_up(&self, world: &mut World) {
-        world.drop_ghosts();
-        let domain = world.domain_mut();
+        drop_ghosts(world);
+        let domain = domain_of_mut(world);
         domain.resting.truncate(domain.kept);
     }
 
     fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()> {
-        world.wake_touched_of_ranks(touched, all)
+        wake_touched(world, touched, all)
     }
 
     fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()> {
-        world.wake_edited_of_ranks(driven, changed)
+        wake_edited(world, driven, changed)
     }
 
     fn recall_contacts(&self, world: &mut World, islands: &[u32]) {
-        world.recall_contacts_of_woken(islands);
+        recall_contacts_of_woken(world, islands);
     }
 
     fn drop_contacts(&self, world: &mut World) {
-        world.drop_contacts_of_woken();
+        drop_contacts_of_woken(world);
     }
 
     fn join_islands(&self, world: &mut World) -> Result<()> {
-        world.join_islands_of_ranks()
+        join_islands(world)
     }
 
     fn keep_pairs(&self, world: &mut World) -> Result<()> {
-        world.keep_pairs_of_sleepers()
+        keep_pairs_of_sleepers(world)
     }
 
     fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
-        let all = world.domain().map_or(&[][..], |domain| &domain.sleeping);
+        let all = domain_of(world).map_or(&[][..], |domain| &domain.sleeping);
         let touch = all.iter().filter(|of| of.is_near || of.contact.impulse > 0.0);
         touch.map(|of| of.ids).map(|[a, b]| [a.min(b), a.max(b)]).collect()
     }
 }
 
-impl World {
-    /// Lists the particles that other ranks have too, by their new indices.
-    pub(crate) fn find_shared(&mut self) {
-        let Self { halo, rows, .. } = self;
-        Domain::of_mut(&mut **halo).list_indices(rows);
-    }
+/// Lists the particles that other ranks have too, by their new indices.
+pub(super) fn find_shared(world: &mut World) {
+    let World { bodies: Bodies { awake: Discs { rows, .. }, .. }, halo, .. } = world;
+    Domain::of_mut(&mut **halo).list_indices(rows);
+}
 
-    /// Adds what happened to shared particles in a part of the step to their hashes, and finds those that
-    /// got further than announced.
-    pub(crate) fn digest_shared(&mut self) {
-        let Self { halo, scratch, rows, particles, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        let events = &scratch.events;
-        for (at, &index) in domain.shared.iter().enumerate() {
-            let row = rows[index as usize] as usize;
-            let motion = scratch.motions.get(index);
-            let [x, y] = exact(motion.position, motion.residual);
-            let [u, v] = motion.velocity.map(f64::from);
-            let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
-            hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
-            if !scratch.spins.is_empty() {
-                hash = digest_all(hash, [f64::from(scratch.spins.velocity(index))]);
-            }
-            domain.digests[row] = hash;
-            domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
+/// Adds what happened to shared particles in a part of the step to their hashes, and finds those that
+/// got further than announced.
+pub(super) fn digest_shared(world: &mut World) {
+    let World {
+        bodies: Bodies { awake: Discs { rows, particles, .. }, .. }, halo, scratch, ..
+    } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    let events = &scratch.events;
+    for (at, &index) in domain.shared.iter().enumerate() {
+        let row = rows[index as usize] as usize;
+        let motion = scratch.motions.get(index);
+        let [x, y] = exact(motion.position, motion.residual);
+        let [u, v] = motion.velocity.map(f64::from);
+        let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
+        hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
+        if !scratch.spins.is_empty() {
+            hash = digest_all(hash, [f64::from(scratch.spins.velocity(index))]);
         }
-        for &(index, distance) in &events.outside_limits {
-            let left = domain.left.get(index as usize).copied().unwrap_or(f32::INFINITY);
-            if distance > f64::from(left) {
-                domain.far.push((rows[index as usize], distance as f32));
-            }
-        }
-        for (index, &limit) in domain.left.iter().enumerate() {
-            let ([x, y], [u, v]) =
-                (scratch.motions.position(index as u32), particles.positions[index]);
-            let square = (x - u) * (x - u) + (y - v) * (y - v);
-            if square > limit * limit {
-                domain.far.push((rows[index], square.sqrt()));
-            }
+        domain.digests[row] = hash;
+        domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
+    }
+    for &(index, distance) in &events.outside_limits {
+        let left = domain.left.get(index as usize).copied().unwrap_or(f32::INFINITY);
+        if distance > f64::from(left) {
+            domain.far.push((rows[index as usize], distance as f32));
         }
     }
-
-    /// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
-    /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
-    pub(crate) fn share_accelerations(&mut self) -> Result<()> {
-        let has_accelerations = self.has_accelerations();
-        let Self { halo, rows, scratch, settings, influences, .. } = self;
-        let domain = Domain::of_mut(&mut **halo);
-        if locked(&domain.group).size() < 2 || !has_accelerations {
-            return Ok(());
+    for (index, &limit) in domain.left.iter().enumerate() {
+        let ([x, y], [u, v]) = (scratch.motions.position(index as u32), particles.positions[index]);
+        let square = (x - u) * (x - u) + (y - v) * (y - v);
+        if square > limit * limit {
+            domain.far.push((rows[index], square.sqrt()));
         }
-        domain.list_indices(rows);
-        let halo: &dyn Halo = domain;
-        let force = &mut scratch.forces;
-        let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
+    }
+}
+
+/// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
+/// need not have. Particles whose neighbours other ranks have not announced are noted as far.
+pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
+    let has_accelerations = world.has_accelerations();
+    let World {
+        bodies: Bodies { awake: Discs { rows, .. }, .. },
+        halo,
+        scratch,
+        settings,
+        influences,
+        ..
+    } = world;
+    let domain = Domain::of_mut(&mut **halo);
+    if locked(&domain.group).size() < 2 || !has_accelerations {
+        return Ok(());
+    }
+    domain.list_indices(rows);
+    let halo: &dyn Halo = domain;
+    let force = &mut scratch.forces;
+    let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
+    halo.wait()?;
+    halo.refresh(
+        |index| accelerations[index as usize].get(),
+        |index, acceleration| accelerations[index as usize].set(acceleration),
+    )?;
+    let half_cutoff = 0.5 * influences.largest_cutoff();
+    for (&position, &row) in force.halfway.iter().zip(&*rows) {
+        let Some(of) = domain.announced.get(row as usize) else { continue };
+        let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
+        let [x, y] = settings.container.period().exact().minimum_image(offset);
+        let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
+        if distance > of.distance {
+            domain.far.push((row, distance));
+        }
+    }
+    Ok(())
+}
+
+/// Compares the hashes of all ghosts that may meet own particles with those of their own ranks,
+/// on all ranks. Refuses, on all ranks, a step that is the same on all and in which a particle
+/// has too many collisions.
+pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
+    let Some(domain) = domain_of(world) else { return Ok(Agreement::Same) };
+    let halo: &dyn Halo = domain;
+    if halo.is_alone() {
+        return Ok(Agreement::Same);
+    }
+    if halo.any(!domain.far.is_empty())? {
+        return Ok(Agreement::Further);
+    }
+    let hash = |row: u32, rank: u32| {
+        let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
+        digest(domain.digests[row as usize], pairs)
+    };
+    let sent = (0..).zip(&domain.sent);
+    let hashes = sent.flat_map(|(rank, rows)| rows.iter().map(move |&row| hash(row, rank)));
+    let to: Vec<u8> = hashes.flat_map(u64::to_le_bytes).collect();
+    let sent: Vec<usize> = domain.sent.iter().map(|rows| rows.len() * 8).collect();
+    let received: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
+    let all = locked(&domain.group).exchange_known(&to, &sent, &received)?;
+    let (all, _) = all.as_chunks::<8>();
+    let differ = (domain.own..domain.ids.len()).zip(all).filter(|(row, theirs)| {
+        let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
+        domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
+    });
+    // A step that ended early, or that differs, is repeated.
+    let is_refused = !world.scratch.meets_sleepers && world.scratch.events.has_too_many();
+    let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;
+    if different > 0 {
+        return Ok(Agreement::Different);
+    }
+    if is_refused {
+        return Err(world.too_many_collisions());
+    }
+    if refused > 0 {
+        // The ranks that refuse it report this now.
         halo.wait()?;
-        halo.refresh(
-            |index| accelerations[index as usize].get(),
-            |index, acceleration| accelerations[index as usize].set(acceleration),
-        )?;
-        let half_cutoff = 0.5 * influences.largest_cutoff();
-        for (&position, &row) in force.halfway.iter().zip(&*rows) {
-            let Some(of) = domain.announced.get(row as usize) else { continue };
-            let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
-            let [x, y] = settings.container.period().exact().minimum_image(offset);
-            let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
-            if distance > of.distance {
-                domain.far.push((row, distance));
-            }
-        }
-        Ok(())
     }
-
-    /// Compares the hashes of all ghosts that may meet own particles with those of their own ranks,
-    /// on all ranks. Refuses, on all ranks, a step that is the same on all and in which a particle
-    /// has too many collisions.
-    pub(crate) fn compare_with_other_ranks(&mut self) -> Result<Agreement> {
-        let Some(domain) = self.domain() else { return Ok(Agreement::Same) };
-        let halo: &dyn Halo = domain;
-        if halo.is_alone() {
-            return Ok(Agreement::Same);
-        }
-        if halo.any(!domain.far.is_empty())? {
-            return Ok(Agreement::Further);
-        }
-        let hash = |row: u32, rank: u32| {
-            let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
-            digest(domain.digests[row as usize], pairs)
-        };
-        let sent = (0..).zip(&domain.sent);
-        let hashes = sent.flat_map(|(rank, rows)| rows.iter().map(move |&row| hash(row, rank)));
-        let to: Vec<u8> = hashes.flat_map(u64::to_le_bytes).collect();
-        let sent: Vec<usize> = domain.sent.iter().map(|rows| rows.len() * 8).collect();
-        let received: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
-        let all = locked(&domain.group).exchange_known(&to, &sent, &received)?;
-        let (all, _) = all.as_chunks::<8>();
-        let differ = (domain.own..domain.ids.len()).zip(all).filter(|(row, theirs)| {
-            let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
-            domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
-        });
-        // A step that ended early, or that differs, is repeated.
-        let is_refused = !self.scratch.meets_sleepers && self.scratch.events.has_too_many();
-        let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;
-        if different > 0 {
-            return Ok(Agreement::Different);
-        }
-        if is_refused {
-            return Err(self.too_many_collisions());
-        }
-        if refused > 0 {
-            // The ranks that refuse it report this now.
-            halo.wait()?;
-        }
-        Ok(Agreement::Same)
-    }
+    Ok(Agreement::Same)
 }

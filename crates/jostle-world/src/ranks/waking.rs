@@ -4,8 +4,11 @@
 //! near its moving particles. The names of all islands that any rank would touch go to all ranks, which wake
 //! their parts of them.
 
+use super::carried::keep_resting;
 use super::carried::{NONE, Resting};
 use super::domain::Domain;
+use super::domain::domain_of_mut;
+use super::reductions::sum_up;
 use super::{Grid, Near};
 use crate::container::Container;
 use crate::particles::Particles;
@@ -127,34 +130,36 @@ impl Domain {
     }
 }
 
-impl World {
-    /// Adds the contacts of islands that wake to those at rest.
-    pub(crate) fn recall_contacts_of_woken(&mut self, islands: &[u32]) {
-        // They are added to those of the last step.
-        self.keep_resting();
-        let mut names: Vec<Id> = self.asleep.names(islands).collect();
-        names.sort_unstable();
-        let domain = self.domain_mut();
-        let woken = domain.contacts_of_woken(&names);
-        domain.resting.extend(woken);
-    }
+/// Adds the contacts of islands that wake to those at rest.
+pub(super) fn recall_contacts_of_woken(world: &mut World, islands: &[u32]) {
+    // They are added to those of the last step.
+    keep_resting(world);
+    let mut names: Vec<Id> = world.bodies.asleep.names(islands).collect();
+    names.sort_unstable();
+    let domain = domain_of_mut(world);
+    let woken = domain.contacts_of_woken(&names);
+    domain.resting.extend(woken);
+}
 
-    /// Wakes the islands that any rank would touch, or all; there are no ghosts.
-    pub(crate) fn wake_touched_of_ranks(&mut self, touched: &[u32], all: bool) -> Result<()> {
-        let mut names: Vec<Id> = self.asleep.names(touched).collect();
-        let domain = self.domain_mut();
-        names.append(&mut domain.touched);
-        names.sort_unstable();
-        names.dedup();
-        let bytes: Vec<u8> = names.iter().flat_map(|name| name.to_le_bytes()).collect();
-        let found = locked(&domain.group).share(&bytes)?.concat();
-        let (found, _) = found.as_chunks::<8>();
-        let mut names: Vec<Id> = found.iter().map(|name| Id::from_le_bytes(*name)).collect();
-        names.sort_unstable();
-        let islands = if all { self.asleep.islands().collect() } else { self.asleep.named(&names) };
-        self.wake(&islands);
-        self.sum_up_ranks()
-    }
+/// Wakes the islands that any rank would touch, or all; there are no ghosts.
+pub(super) fn wake_touched(world: &mut World, touched: &[u32], all: bool) -> Result<()> {
+    let mut names: Vec<Id> = world.bodies.asleep.names(touched).collect();
+    let domain = domain_of_mut(world);
+    names.append(&mut domain.touched);
+    names.sort_unstable();
+    names.dedup();
+    let bytes: Vec<u8> = names.iter().flat_map(|name| name.to_le_bytes()).collect();
+    let found = locked(&domain.group).share(&bytes)?.concat();
+    let (found, _) = found.as_chunks::<8>();
+    let mut names: Vec<Id> = found.iter().map(|name| Id::from_le_bytes(*name)).collect();
+    names.sort_unstable();
+    let islands = if all {
+        world.bodies.asleep.islands().collect()
+    } else {
+        world.bodies.asleep.named(&names)
+    };
+    world.wake(&islands);
+    sum_up(world)
 }
 
 #[cfg(test)]

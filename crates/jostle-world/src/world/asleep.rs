@@ -9,7 +9,7 @@
 use std::iter;
 use std::ops::Range;
 
-use super::discs::Discs;
+use super::bodies::discs::Discs;
 use super::touches::WallImpulse;
 use super::{MAX_CANDIDATES, WorldSettings};
 use crate::contacts::Contact;

@@ -58,7 +58,7 @@ impl World {
         let Plan { may_rest, threads, horizon: dt, .. } = *plan;
         let super::StepScratch { max_displacements, forces, usual_speed, shapes, .. } =
             &mut self.scratch;
-        let (particles, settings) = (&self.particles, &self.settings);
+        let (particles, settings) = (&self.bodies.awake.particles, &self.settings);
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
         let fall = distance_of_fall(settings.gravity, dt);

@@ -1,6 +1,8 @@
 //! Makes contacts of candidate pairs: the lists of neighbours for the events, and the contacts that are coloured
 //! and solved in the sub-steps.
 
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::cell::Cell;
 
 use super::bounds::{FreeDisplacements, reach};
@@ -38,7 +40,9 @@ impl World {
         let threads = plan.threads;
         self.take_pairs_that_pass();
         let is_mixed = self.find_lossy(plan.is_lossless);
-        let Self { particles, settings, scratch, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. }, settings, scratch, ..
+        } = self;
         let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
@@ -58,12 +62,20 @@ impl World {
             find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image));
         }
         interrupt::check()?;
-        let Self { particles, scratch, contacts, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, contacts, ..
+        } = self;
         contacts.colour(&scratch.overlaps, particles, threads);
         interrupt::check()?;
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement(plan));
         let (shape, refinement) = self.halo.protocol().agree_on_order(self, shape, refinement)?;
-        let Self { particles, settings, scratch, contacts, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            settings,
+            scratch,
+            contacts,
+            ..
+        } = self;
         let lists = &scratch.overlaps;
         let before = scratch.tree.rows();
         let StepScratch { lossy, .. } = &*scratch;
@@ -76,7 +88,14 @@ impl World {
     /// Finds the particles that lose energy, if some do and others do not; returns whether this is
     /// so.
     fn find_lossy(&mut self, is_lossless: bool) -> bool {
-        let Self { particles, scratch, settings, walls, halo, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            scratch,
+            settings,
+            walls,
+            halo,
+            ..
+        } = self;
         scratch.lossy.clear();
         // Contacts of stiff springs are solved as resting ones, also where nothing loses energy.
         let all = settings.restitution < 1.0 || !walls.are_elastic();
@@ -95,7 +114,8 @@ impl World {
     /// one that does, and leaves out the pairs of others, unless they overlap. They cannot come to
     /// rest, and are those of a world in which nothing loses energy.
     fn leave_out_elastic(&mut self) -> Result<()> {
-        let Self { particles, scratch, halo, .. } = self;
+        let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, halo, .. } =
+            self;
         let StepScratch { lossy, overlaps, .. } = scratch;
         let own = |index: usize| loses_energy(particles, index);
         for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
@@ -122,7 +142,9 @@ impl World {
     /// if particles merge.
     fn take_pairs_that_pass(&mut self) {
         let Self {
-            particles, scratch: StepScratch { pairs, sensed, candidate_merges, .. }, ..
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            scratch: StepScratch { pairs, sensed, candidate_merges, .. },
+            ..
         } = self;
         if !particles.sensors.is_empty() {
             let is_sensor = |index: u32| particles.is_sensor(index as usize);

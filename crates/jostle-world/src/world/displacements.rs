@@ -11,21 +11,21 @@ use jostle_base::ids::Id;
 impl World {
     /// The smallest id of a particle with this `number`, for an error.
     pub(crate) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
-        let indices = (0..self.rows.len()).filter(|&index| of(index) == number);
-        indices.map(|index| self.id_among_all(self.rows[index])).min().unwrap_or(0)
+        let indices = (0..self.bodies.awake.rows.len()).filter(|&index| of(index) == number);
+        indices.map(|index| self.id_among_all(self.bodies.awake.rows[index])).min().unwrap_or(0)
     }
 
     /// The longer side of the box of a particle's displacement without collisions in `dt` seconds,
     /// or more.
     fn displacement(&self, index: usize, dt: f32) -> f32 {
-        let (gravity, v) = (self.settings.gravity, self.particles.velocities[index]);
+        let (gravity, v) = (self.settings.gravity, self.bodies.awake.particles.velocities[index]);
         let along = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
         along(0).max(along(1))
     }
 
     /// The largest of these displacements.
     fn longest_displacement(&self, dt: f32) -> f32 {
-        largest((0..self.rows.len()).map(|index| self.displacement(index, dt)))
+        largest((0..self.bodies.awake.rows.len()).map(|index| self.displacement(index, dt)))
     }
 
     /// Refuses a step in which a particle would move too far.

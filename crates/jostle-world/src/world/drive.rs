@@ -23,9 +23,9 @@ impl World {
         for motor in self.influences.motors() {
             let drive = motor.drive(self.time, dt);
             let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
-            for index in self.indices_of(&rows) {
+            for index in self.bodies.indices_of(&rows) {
                 let index = index as usize;
-                let all = &mut self.particles;
+                let all = &mut self.bodies.awake.particles;
                 // It may have become movable, and may sleep then.
                 if all.movable.get(index) != Some(&false) {
                     continue;
@@ -53,24 +53,25 @@ impl World {
             return;
         }
         for (index, velocity, angular_velocity) in before.particles.into_iter().rev() {
-            self.particles.velocities[index] = velocity;
-            self.particles.set_angular_velocity(index, angular_velocity);
+            self.bodies.awake.particles.velocities[index] = velocity;
+            self.bodies.awake.particles.set_angular_velocity(index, angular_velocity);
         }
         for (wall, velocity) in before.walls.into_iter().rev() {
             self.walls.set_velocity(wall, velocity);
         }
-        self.particles.simplify();
+        self.bodies.awake.particles.simplify();
     }
 
     /// Refuses motors of movable particles.
     pub(crate) fn check_motors(&self, influences: &Influences) -> Result<()> {
-        let indices = self.indices();
+        let indices = self.bodies.indices();
         for (index, influence) in influences.list().iter().enumerate() {
             let Role::Motor(motor) = influence.role() else { continue };
             let is_movable = |&&id: &&Id| {
-                let row = self.ids.row(id).expect("it is in the world");
+                let row = self.bodies.ids.row(id).expect("it is in the world");
                 // Immovable particles never sleep.
-                self.particles.movable.get(indices[row as usize] as usize) != Some(&false)
+                self.bodies.awake.particles.movable.get(indices[row as usize] as usize)
+                    != Some(&false)
             };
             if let Some(id) = motor.ids.iter().find(is_movable) {
                 let value = format!("a motor of particle {id}");

@@ -22,15 +22,15 @@ impl World {
         if new > MAX_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
-        let ids = self.ids.add(particles.len())?;
+        let ids = self.bodies.ids.add(particles.len())?;
         if !particles.movable.iter().all(|&movable| movable) {
             self.wake_all();
         }
-        self.particles.extend(&particles);
-        self.rows.extend(old as u32..new as u32);
+        self.bodies.awake.particles.extend(&particles);
+        self.bodies.awake.rows.extend(old as u32..new as u32);
         self.external.iter_mut().for_each(|external| external.resize(new, [0.0; 2]));
-        self.persistent.resize(self.rows.len());
-        self.forget_indices();
+        self.bodies.awake.persistent.resize(self.bodies.awake.rows.len());
+        self.bodies.forget_indices();
         Ok(ids)
     }
 
@@ -38,7 +38,7 @@ impl World {
     /// attractors of a removed particle are removed too. The islands of removed particles wake; all
     /// wake if an immovable one is removed.
     pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
-        let rows = self.distinct_rows_of(ids)?;
+        let rows = self.bodies.distinct_rows_of(ids)?;
         if rows.is_empty() {
             return Ok(());
         }
@@ -48,7 +48,7 @@ impl World {
         let shifted = self.take_out(&gone);
         self.influences
             .renumber(|row| (!gone[row as usize]).then(|| Id::from(shifted[row as usize])));
-        let ids = &self.ids;
+        let ids = &self.bodies.ids;
         self.record.drop_merged(|id| ids.row(id).is_some());
         self.end_external_of_none()
     }
@@ -61,30 +61,31 @@ impl World {
             shifted.push(left);
             left += u32::from(!gone);
         }
-        let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
+        let keep: Vec<bool> =
+            self.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
         self.keep(&keep);
-        self.ids.remove(gone);
+        self.bodies.ids.remove(gone);
         self.external.iter_mut().for_each(|external| retain_unless(external, gone));
-        self.asleep.renumber(&shifted);
-        self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        self.forget_indices();
+        self.bodies.asleep.renumber(&shifted);
+        self.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+        self.bodies.forget_indices();
         shifted
     }
 
     /// Keeps some indices of all columns, and the contacts between them.
     pub(crate) fn keep(&mut self, keep: &[bool]) {
-        self.particles.keep(keep);
-        self.particles.simplify();
-        self.persistent.keep(keep);
-        dense::keep(&mut self.rows, keep);
+        self.bodies.awake.particles.keep(keep);
+        self.bodies.awake.particles.simplify();
+        self.bodies.awake.persistent.keep(keep);
+        dense::keep(&mut self.bodies.awake.rows, keep);
         self.contacts.retain(keep);
-        self.forget_indices();
+        self.bodies.forget_indices();
     }
 
     /// A copy of some particles, in this order. It costs as much as there are ids.
     pub fn read(&self, ids: &[Id]) -> Result<Particles> {
-        Ok(self.particles_in(&self.rows_of(ids)?))
+        Ok(self.bodies.particles_in(&self.bodies.rows_of(ids)?))
     }
 
     /// Changes some columns of some particles, each given at most once. Refused values change nothing.
@@ -93,7 +94,7 @@ impl World {
     /// numbers. The islands of changed particles wake. All wake if an immovable one changes, but those that
     /// do not touch it sleep on if only its velocities change.
     pub fn set(&mut self, ids: &[Id], changes: &Changes) -> Result<()> {
-        let rows = self.distinct_rows_of(ids)?;
+        let rows = self.bodies.distinct_rows_of(ids)?;
         self.set_rows(&rows, changes)
     }
 
@@ -116,7 +117,7 @@ impl World {
         rows: &[u32],
         change: impl FnOnce(&mut Particles) -> Result<()>,
     ) -> Result<()> {
-        let before = self.particles_in(rows);
+        let before = self.bodies.particles_in(rows);
         let mut copy = before.clone();
         change(&mut copy)?;
         if copy.len() != before.len() {
@@ -131,14 +132,14 @@ impl World {
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
         copy.simplify();
         self.wake_edited(rows, &before, &copy)?;
-        let (indices, len) = (self.indices_of(rows), self.rows.len());
+        let (indices, len) = (self.bodies.indices_of(rows), self.bodies.awake.rows.len());
         for (nth, index) in indices.into_iter().enumerate() {
             // Those that still sleep have not changed; their indices are behind those of all others.
             if (index as usize) < len {
-                self.particles.put(len, index as usize, &copy, nth);
+                self.bodies.awake.particles.put(len, index as usize, &copy, nth);
             }
         }
-        self.particles.drop_defaults();
+        self.bodies.awake.particles.drop_defaults();
         Ok(())
     }
 
@@ -151,20 +152,22 @@ impl World {
             kinds.check(|kinds| self.influences.check_kinds(kinds))?;
         }
         if self.may_wake() {
-            let before = self.particles_in(rows);
+            let before = self.bodies.particles_in(rows);
             let mut after = before.clone();
             changes.write(&mut after, &(0..rows.len() as u32).collect::<Vec<u32>>());
             self.wake_edited(rows, &before, &after)?;
         }
         // As above, sleeping particles are left out.
-        let indices = self.indices_of(rows);
-        changes.write(&mut self.particles, &indices);
+        let indices = self.bodies.indices_of(rows);
+        changes.write(&mut self.bodies.awake.particles, &indices);
         Ok(())
     }
 
     /// Whether changes may wake particles, or concern those whose motion is observed.
     fn may_wake(&self) -> bool {
-        !self.asleep.is_empty() || !self.persistent.drifts.is_empty() || !self.halo.is_alone()
+        !self.bodies.asleep.is_empty()
+            || !self.bodies.awake.persistent.drifts.is_empty()
+            || !self.halo.is_alone()
     }
 
     /// Wakes what changes concern, and forgets how the changed particles moved.
@@ -180,8 +183,8 @@ impl World {
                 _ => changed.push(row),
             }
         }
-        for index in self.indices_of(&changed) {
-            if let Some(drift) = self.persistent.drifts.get_mut(index as usize) {
+        for index in self.bodies.indices_of(&changed) {
+            if let Some(drift) = self.bodies.awake.persistent.drifts.get_mut(index as usize) {
                 *drift = Drift::UNKNOWN;
             }
         }

@@ -39,13 +39,13 @@ impl World {
 
     /// The external accelerations with those by some forces.
     fn with_forces(&self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<Vec<[f32; 2]>> {
-        let rows = self.rows_of(ids)?;
+        let rows = self.bodies.rows_of(ids)?;
         check_vectors("forces", newtons)?;
         let external = self.external_accelerations();
         let mut sums: Vec<[f64; 2]> =
             external.iter().map(|external| external.map(f64::from)).collect();
         sums.resize(self.len(), [0.0; 2]);
-        let masses = self.masses();
+        let masses = self.bodies.masses();
         for (&row, force) in rows.iter().zip(newtons) {
             let row = row as usize;
             let mass = f64::from(masses[row]);
@@ -78,7 +78,7 @@ impl World {
 
     /// Replaces the external accelerations; nothing accelerates immovable particles.
     fn replace_external(&mut self, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
-        for (external, movable) in accelerations.iter_mut().zip(self.movable()) {
+        for (external, movable) in accelerations.iter_mut().zip(self.bodies.movable()) {
             *external = if movable { *external } else { [0.0; 2] };
         }
         let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);

@@ -1,5 +1,6 @@
 //! The forces of a world in a step: accelerations, kicks and springs.
 
+use super::bodies as world_bodies;
 use super::external::add_external;
 use super::{World, WorldSettings};
 use crate::container::Container;
@@ -7,6 +8,7 @@ use crate::flow::{Flow, Kick};
 use crate::forces::{self, ASLEEP, Bodies, Influences, springs::SpringSolver};
 use crate::motion::Motions;
 use crate::particles::{self, Particles};
+use crate::world::bodies::discs::Discs;
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
@@ -71,9 +73,14 @@ impl World {
         if self.influences.is_empty() && self.external.is_none() {
             return Ok(());
         }
-        find_indices(&self.influences, &self.rows, self.asleep.len(), &mut scratch.indices);
+        find_indices(
+            &self.influences,
+            &self.bodies.awake.rows,
+            self.bodies.asleep.len(),
+            &mut scratch.indices,
+        );
         let h = dt / substeps as f32;
-        let particles = &self.particles;
+        let particles = &self.bodies.awake.particles;
         if has_accelerations {
             let all = particles.positions.iter().zip(&particles.velocities);
             scratch.halfway.clear();
@@ -84,7 +91,7 @@ impl World {
         }
         self.estimate_springs(dt, substeps);
         let ForceScratch { accelerations, max_displacements, .. } = &self.scratch.forces;
-        let particles = &self.particles;
+        let particles = &self.bodies.awake.particles;
         let displacement = |index: usize| {
             force_displacement(accelerations.get(index), max_displacements.get(index), dt)
         };
@@ -100,7 +107,13 @@ impl World {
 
     /// Estimates displacements by springs, and finds out whether any are stiff.
     fn estimate_springs(&mut self, dt: f32, substeps: usize) {
-        let Self { influences, particles, rows, settings, scratch, .. } = self;
+        let Self {
+            bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
+            influences,
+            settings,
+            scratch,
+            ..
+        } = self;
         let h = f64::from(dt) / substeps as f64;
         let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
             &mut scratch.forces;
@@ -118,7 +131,13 @@ impl World {
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(crate) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.everywhere().extent(&self.scratch.forces.halfway)?;
-        let Self { particles, rows, external, settings, scratch, .. } = self;
+        let Self {
+            bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
+            external,
+            settings,
+            scratch,
+            ..
+        } = self;
         let ForceScratch { all: scratch, indices, halfway, velocities, accelerations, .. } =
             &mut scratch.forces;
         let bodies = bodies(particles, halfway, (rows, indices), settings);
@@ -134,7 +153,7 @@ impl World {
         let Some(&andersen) = self.influences.andersen_thermostats().next() else { return };
         let time = self.time;
         let Particles { positions, residuals, velocities, masses, movable, .. } =
-            &mut self.particles;
+            &mut self.bodies.awake.particles;
         parallel::for_chunks(threads, velocities, |first, velocities| {
             for (velocity, index) in velocities.iter_mut().zip(first..) {
                 let ([x, y], [a, b], [u, v]) = (positions[index], residuals[index], *velocity);
@@ -152,8 +171,8 @@ impl World {
 
     /// Removes springs that are stretched too far.
     pub(crate) fn break_springs(&mut self) {
-        let (particles, settings) = (&self.particles, &self.settings);
-        let rows = (&self.rows[..], &self.scratch.forces.indices[..]);
+        let (particles, settings) = (&self.bodies.awake.particles, &self.settings);
+        let rows = (&self.bodies.awake.rows[..], &self.scratch.forces.indices[..]);
         let bodies = bodies(particles, &particles.positions, rows, settings);
         self.influences.break_springs(&bodies);
     }

@@ -99,7 +99,9 @@ impl World {
         for _ in 0..ROUNDS {
             let own = self.halo.own_rows();
             // Pairs of two ghosts are found by the processes that own these particles.
-            touching.retain(|pair| pair.iter().any(|&index| self.rows[index as usize] < own));
+            touching.retain(|pair| {
+                pair.iter().any(|&index| self.bodies.awake.rows[index as usize] < own)
+            });
             self.record_pairs(&touching);
             if !self.halo().any(!touching.is_empty())?
                 || !protocol.merge_islands(self, &touching)?
@@ -116,7 +118,7 @@ impl World {
     pub(crate) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
         let (overlaps, tests) = self.overlapping()?;
         self.stats.tests += tests;
-        let is_sensor = |index: u32| self.particles.is_sensor(index as usize);
+        let is_sensor = |index: u32| self.bodies.awake.particles.is_sensor(index as usize);
         let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
         Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
     }
@@ -135,19 +137,23 @@ impl World {
         let mut any = false;
         for group in members.chunk_by(|a, b| a[0] == b[0]) {
             let indices: Vec<usize> = group.iter().map(|&[_, index]| index as usize).collect();
-            let Some(one) = union(&self.particles, &indices, &self.settings.container) else {
+            let Some(one) = union(&self.bodies.awake.particles, &indices, &self.settings.container)
+            else {
                 continue;
             };
             any = true;
             self.merge_external(&indices);
-            let len = self.rows.len();
-            self.particles.put(len, indices[0], &one, 0);
-            let rows = indices.iter().map(|&index| self.rows[index]);
+            let len = self.bodies.awake.rows.len();
+            self.bodies.awake.particles.put(len, indices[0], &one, 0);
+            let rows = indices.iter().map(|&index| self.bodies.awake.rows[index]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);
             // The merged particle has the first index: it comes from the state, not from the row.
-            let holder = indices.iter().position(|&index| self.rows[index] == first).unwrap_or(0);
-            self.rows.swap(indices[0], indices[holder]);
+            let holder = indices
+                .iter()
+                .position(|&index| self.bodies.awake.rows[index] == first)
+                .unwrap_or(0);
+            self.bodies.awake.rows.swap(indices[0], indices[holder]);
         }
         if any {
             self.close_up(&heirs)?;
@@ -158,10 +164,14 @@ impl World {
     /// The smallest row of merging particles gets the sum of the external forces on them over their mass.
     fn merge_external(&mut self, indices: &[usize]) {
         let Some(external) = &mut self.external else { return };
-        let of =
-            |&index: &usize| (self.particles.masses[index], external[self.rows[index] as usize]);
+        let of = |&index: &usize| {
+            (
+                self.bodies.awake.particles.masses[index],
+                external[self.bodies.awake.rows[index] as usize],
+            )
+        };
         let joint = joint_acceleration(indices.iter().map(of));
-        let rows = indices.iter().map(|&index| self.rows[index]);
+        let rows = indices.iter().map(|&index| self.bodies.awake.rows[index]);
         let first = rows.fold(u32::MAX, u32::min);
         external[first as usize] = joint;
     }
@@ -170,9 +180,9 @@ impl World {
     fn close_up(&mut self, heirs: &[u32]) -> Result<()> {
         let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
         let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
-        let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
+        let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.bodies.ids.of(row)));
         let merged = merged.collect();
-        self.scratch.before.ids.get_or_insert_with(|| self.ids.clone());
+        self.scratch.before.ids.get_or_insert_with(|| self.bodies.ids.clone());
         self.inherit(heirs);
         let shifted = self.take_out(&gone);
         // The step still needs these.

@@ -1,25 +1,21 @@
-//! The world: particles that move and collide. `World::step_once` defines the order
-//! of a step.
+//! The world: particles that move and collide.
 //!
-//! Particles are kept in the canonical order of the last step: Morton order of their
-//! positions at its beginning, ties by their other values. So neighbours in space are
-//! neighbours in memory, and every sum and every loop runs in an order that comes from
-//! the state. `rows` gives the order of adding, which is the only one that callers see; they name
-//! particles by `ids`.
+//! A [`World`] composes parts, each with its own data and functions: [`bodies`], the particles, awake and asleep;
+//! `walls` and the container in `settings`; `influences`, forces and what else acts on particles; `contacts` with the
+//! impulses for warm starting; [`record`], what happened; `halo`, the processes that share the world. `step` has the
+//! order of a step and `plan` what its stages do; the files of the stages are named after them. What a step works on is in
+//! [`StepScratch`], and what it changes it can undo ([`undo`]).
 
 pub(crate) mod asleep;
+pub(crate) mod bodies;
 pub(crate) mod bounds;
-mod columns;
 pub(crate) mod contacts;
-mod defaults;
-pub(crate) mod discs;
 pub(crate) mod distribution;
 mod displacements;
 mod drive;
 pub(crate) mod edits;
 mod force_step;
 mod external;
-pub(crate) mod ids;
 pub(crate) mod merge;
 mod plan;
 mod record;
@@ -41,8 +37,6 @@ mod touching;
 pub(crate) mod undo;
 mod waking;
 
-use std::sync::OnceLock;
-
 use crate::contacts::{ContactShape, Contacts};
 use crate::correction::Correction;
 use crate::events::Events;
@@ -52,17 +46,15 @@ use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
 use crate::resting::{Resting, WallImpulse};
 use crate::walls::{self, Wall, Walls, index_of};
-use asleep::Asleep;
-pub use defaults::Defaults;
-use discs::{Discs, Persistent};
+use bodies::discs::Discs;
+pub use bodies::{Bodies, Defaults};
 use distribution::{Agreement, Distribution};
 use force_step::ForceScratch;
-use ids::Ids;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
 use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::{Each, Shapes};
+use jostle_index::shapes::{Each, Shapes, fill_filters};
 pub use record::{Collisions, Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
@@ -140,7 +132,7 @@ pub struct Stats {
 /// let discs = Particles::new(vec![left, right], vec![[1.0, 0.0], [0.0, 0.0]], vec![1.0; 2], 1.0);
 /// let mut world = World::new(discs, WorldSettings::default())?;
 /// world.step(0.1, 40)?;
-/// assert_eq!(world.particles().velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
+/// assert_eq!(world.bodies().particles().velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
 /// # Ok::<(), jostle_base::Error>(())
 /// ```
 #[derive(Debug, Default)]
@@ -151,21 +143,11 @@ pub struct World {
     pub(crate) walls: Walls,
     /// The accelerations of the rows by forces of the caller, if there are any on any process.
     pub(crate) external: Option<Vec<[f32; 2]>>,
-    /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
-    pub(crate) particles: Particles,
-    /// The row, in the order of adding, of the particle at each index.
-    pub(crate) rows: Vec<u32>,
-    pub(crate) persistent: Persistent,
-    /// The index of each row, once it was needed.
-    pub(crate) indices: OnceLock<Vec<u32>>,
-    /// The id of each row.
-    pub(crate) ids: Ids,
-    pub(crate) defaults: Defaults,
+    /// The particles.
+    pub(crate) bodies: Bodies,
     pub(crate) contacts: Contacts,
     /// The impulses that walls gave in the last step, sorted by row.
     pub(crate) wall_impulses: Vec<WallImpulse>,
-    /// The other particles.
-    pub(crate) asleep: Asleep,
     pub(crate) time: f64,
     /// Text of the caller, see [`World::attachment`].
     pub(crate) attachment: Option<String>,
@@ -254,14 +236,19 @@ impl World {
         Ok(world)
     }
 
+    /// The particles: their columns, in the order of adding, and their ids.
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
-        self.rows.len() + self.asleep.len()
+        self.bodies.len()
     }
 
     /// Whether there is no particle.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.bodies.is_empty()
     }
 
     /// The settings.
@@ -273,7 +260,7 @@ impl World {
     /// settings without influence on the results change.
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
-        settings.container.check_fit(&self.radii())?;
+        settings.container.check_fit(&self.bodies.radii())?;
         self.influences.check_fit(settings.container)?;
         let new_walls = if settings.container == self.settings.container {
             None
@@ -285,7 +272,7 @@ impl World {
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             self.wake_all();
-            self.persistent.drifts.clear();
+            self.bodies.awake.persistent.drifts.clear();
         }
         if let Some(walls) = new_walls {
             self.walls = walls;
@@ -312,7 +299,7 @@ impl World {
         let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
-        self.persistent.drifts.clear();
+        self.bodies.awake.persistent.drifts.clear();
         let is_kept = |index: u32| {
             let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(index as usize));
             old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
@@ -325,7 +312,7 @@ impl World {
     /// The forces and all else that acts on particles, as given to [`World::set_forces`].
     pub fn forces(&self) -> Vec<Influence> {
         let mut influences = self.influences.clone();
-        influences.renumber(|row| Some(self.ids.of(row as u32)));
+        influences.renumber(|row| Some(self.bodies.ids.of(row as u32)));
         influences.list().to_vec()
     }
 
@@ -333,7 +320,7 @@ impl World {
     /// particles wake.
     pub fn set_forces(&mut self, forces: Vec<Influence>) -> Result<()> {
         let influences = Influences::from(forces);
-        influences.check_kinds(&self.kinds())?;
+        influences.check_kinds(&self.bodies.kinds())?;
         self.set_influences(influences)
     }
 
@@ -348,21 +335,21 @@ impl World {
         self.set_influences(influences)?;
         let rows: Vec<u32> = (0..self.len() as u32).collect();
         // All particles are awake, so each index is one of `particles`.
-        let indices = self.indices_of(&rows);
-        changes.write(&mut self.particles, &indices);
-        self.particles.drop_defaults();
+        let indices = self.bodies.indices_of(&rows);
+        changes.write(&mut self.bodies.awake.particles, &indices);
+        self.bodies.awake.particles.drop_defaults();
         Ok(())
     }
 
     fn set_influences(&mut self, mut influences: Influences) -> Result<()> {
-        influences.validate(|id| self.contains(id))?;
+        influences.validate(|id| self.bodies.contains(id))?;
         influences.check_fit(self.settings.container)?;
         influences.check_sides(self.settings.container)?;
         influences.check_walls(self.walls.all().len())?;
         self.check_motors(&influences)?;
-        influences.renumber(|id| self.ids.row(id).map(Id::from));
+        influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
         self.wake_all();
-        self.persistent.drifts.clear();
+        self.bodies.awake.persistent.drifts.clear();
         self.influences = influences;
         Ok(())
     }
@@ -386,5 +373,39 @@ impl World {
     /// Numbers of the last step.
     pub fn stats(&self) -> Stats {
         self.stats
+    }
+
+    /// A quadtree of the particles as they are now; its rows are those of the particles.
+    pub fn quadtree(&self) -> Result<Quadtree<f32>> {
+        let radii = Each::Rows(self.bodies.radii());
+        let mut shapes = Shapes::circles(self.bodies.positions(), radii)?;
+        if self.bodies.has_filters() {
+            fill_filters(self.bodies.filters().into_iter(), shapes.columns_mut().filters);
+        }
+        Quadtree::new(&shapes, self.settings.tree)
+    }
+
+    /// The id of a row; in a distributed world that among the particles of all processes.
+    pub(crate) fn id_among_all(&self, row: u32) -> Id {
+        if self.halo.is_whole() { self.bodies.ids.of(row) } else { self.halo.ids()[row as usize] }
+    }
+
+    /// The present id of each id that was given, if particles merged since the record began: merged particles share the
+    /// smallest of their ids. None stands for an id that no particle has; None in place of all if
+    /// nothing merged. An error if more than 2²⁷ ids were given, or there is no memory for them.
+    pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {
+        self.record.merged().map(|merged| self.bodies.renumbered(merged)).transpose()
+    }
+
+    /// Values of new particles for which the caller gives none.
+    pub fn defaults(&self) -> Defaults {
+        self.bodies.defaults
+    }
+
+    /// Changes them. If they are refused, the old ones stay.
+    pub fn set_defaults(&mut self, defaults: Defaults) -> Result<()> {
+        defaults.validate()?;
+        self.bodies.defaults = defaults;
+        Ok(())
     }
 }

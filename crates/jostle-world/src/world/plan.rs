@@ -69,7 +69,7 @@ impl World {
         // The contacts of stiff springs are solved as resting ones, also where nothing loses energy.
         let is_lossless = !self.scratch.forces.are_springs_stiff && self.is_lossless();
         let may_rest = self.is_pressed() && !is_lossless;
-        let own_friction = || self.particles.has_friction();
+        let own_friction = || self.bodies.awake.particles.has_friction();
         let agreed = self.halo.agreed();
         let has_springs = self.has_springs();
         Plan {
@@ -95,7 +95,7 @@ impl World {
 
     /// The threads to use for some sub-steps. For much work they are woken.
     fn threads(&self, substeps: usize, may_rest: bool) -> Option<usize> {
-        let work = self.rows.len() * substeps;
+        let work = self.bodies.awake.rows.len() * substeps;
         parallel::threads_for(
             self.settings.tree.threads,
             work,
@@ -106,7 +106,7 @@ impl World {
 
     /// Keeps the threads awake that steps will use, until the result is dropped.
     pub(crate) fn keep_threads_awake(&self) -> impl Sized + use<> {
-        let work = self.rows.len() * self.substeps();
+        let work = self.bodies.awake.rows.len() * self.substeps();
         parallel::keep_awake(self.settings.tree.threads, work, worth_waking(self.may_rest()))
     }
 
@@ -131,9 +131,9 @@ impl World {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
-            && self.particles.restitutions.chunks(256).all(elastic)
+            && self.bodies.awake.particles.restitutions.chunks(256).all(elastic)
             && self.walls.are_elastic()
-            && !self.particles.has_friction()
+            && !self.bodies.awake.particles.has_friction()
     }
 
     /// Whether particles may rest, if stiff springs do not decide it.

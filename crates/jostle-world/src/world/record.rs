@@ -243,7 +243,7 @@ impl World {
     /// beginning are those at the end of the record before. If its first step fails, the record is as before.
     pub fn begin_record(&mut self) {
         // In a distributed world, pairs of removed particles are apart.
-        let (ids, is_whole) = (&self.ids, self.halo.is_whole());
+        let (ids, is_whole) = (&self.bodies.ids, self.halo.is_whole());
         self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()));
     }
 
@@ -268,7 +268,7 @@ impl World {
         if !self.settings.track_events {
             return;
         }
-        let rows = |indices: &[u32; 2]| indices.map(|index| self.rows[index as usize]);
+        let rows = |indices: &[u32; 2]| indices.map(|index| self.bodies.awake.rows[index as usize]);
         let pairs = indices.iter().map(rows).filter_map(|rows| self.known_pair(rows));
         let pairs: Vec<[Id; 2]> = pairs.collect();
         self.record.add_pairs(pairs.into_iter());

@@ -26,7 +26,11 @@ impl World {
 
     /// The particles of all processes.
     pub(crate) fn everywhere(&self) -> Everywhere<'_> {
-        Everywhere { halo: self.halo(), rows: &self.rows, own_rows: self.halo.own_rows() }
+        Everywhere {
+            halo: self.halo(),
+            rows: &self.bodies.awake.rows,
+            own_rows: self.halo.own_rows(),
+        }
     }
 }
 

@@ -41,15 +41,18 @@ impl World {
     /// presses on the lighter: gravity and forces accelerate it towards the lighter.
     fn ratio_under_load(&self, pair: [u32; 2], image: [f32; 2]) -> Option<f32> {
         let own = self.halo.own_rows();
-        if !pair.iter().any(|&index| self.rows[index as usize] < own) {
+        if !pair.iter().any(|&index| self.bodies.awake.rows[index as usize] < own) {
             return None;
         }
-        let particles = &self.particles;
+        let particles = &self.bodies.awake.particles;
         let [a, b] = pair.map(|index| index as usize);
         let ratio = particles.masses[a] / particles.masses[b];
         let ratio = ratio.max(1.0 / ratio);
         let is_counted = RATIO_OF_A_REFINEMENT < ratio && ratio <= LARGEST_RATIO;
-        if !(is_counted && self.particles.movable[a] && self.particles.movable[b]) {
+        if !(is_counted
+            && self.bodies.awake.particles.movable[a]
+            && self.bodies.awake.particles.movable[b])
+        {
             return None;
         }
         let [p, q] = [a, b].map(|index| particles.positions[index]);

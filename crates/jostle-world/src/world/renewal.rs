@@ -43,7 +43,7 @@ impl World {
     /// The speed that bounds allow for.
     fn usual_speed(&self) -> Result<f32> {
         let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
-        let mean = self.everywhere().mean(&self.particles.velocities, speed)?;
+        let mean = self.everywhere().mean(&self.bodies.awake.particles.velocities, speed)?;
         Ok(USUAL * mean as f32)
     }
 
@@ -58,12 +58,12 @@ impl World {
         let count = self.everywhere().count() as f64;
         let area = match self.settings.container.area() {
             Some(area) => area,
-            None => self.everywhere().area(&self.particles.positions)?,
+            None => self.everywhere().area(&self.bodies.awake.particles.positions)?,
         };
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let crowding = Crowding {
             density: count / area,
-            radius: self.everywhere().mean(&self.particles.radii, |&radius| radius)?,
+            radius: self.everywhere().mean(&self.bodies.awake.particles.radii, |&radius| radius)?,
             max_parts: (count / WORTH_A_PART).floor().clamp(1.0, MAX_PARTS),
             acceleration: (gx * gx + gy * gy).sqrt(),
             is_torus: !self.settings.container.period().is_none(),
@@ -80,7 +80,7 @@ impl World {
         if !crowding.is_torus {
             return Ok(1.0);
         }
-        let Particles { velocities, radii, .. } = &self.particles;
+        let Particles { velocities, radii, .. } = &self.bodies.awake.particles;
         let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowding.collisions(v, radius));
         let most = self.everywhere().largest(all)?;
         Ok(Crowding::parts_of_the_fastest(most * dt))

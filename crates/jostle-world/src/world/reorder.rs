@@ -1,7 +1,7 @@
 //! Sorts all columns into the canonical order, that of the tree.
 
 use super::World;
-use super::discs::Discs;
+use super::bodies::discs::Discs;
 use super::force_step::{awake_springs, find_indices};
 use jostle_base::parallel;
 use jostle_base::table::Table;
@@ -15,13 +15,13 @@ impl World {
         let before = &mut scratch.before;
         let spare = if before.is_reordered { &mut scratch.spare } else { &mut before.discs };
         let Discs { particles, rows, persistent } = spare;
-        particles.gather(&self.particles, order, threads);
-        std::mem::swap(particles, &mut self.particles);
-        gather(rows, &mut self.rows, order, threads);
-        persistent.gather(&self.persistent, order, threads);
-        std::mem::swap(persistent, &mut self.persistent);
+        particles.gather(&self.bodies.awake.particles, order, threads);
+        std::mem::swap(particles, &mut self.bodies.awake.particles);
+        gather(rows, &mut self.bodies.awake.rows, order, threads);
+        persistent.gather(&self.bodies.awake.persistent, order, threads);
+        std::mem::swap(persistent, &mut self.bodies.awake.persistent);
         gather(&mut scratch.old_max_displacements, &mut scratch.max_displacements, order, threads);
-        self.forget_indices();
+        self.bodies.forget_indices();
         self.set_contacts_aside();
         self.reorder_forces(threads);
     }
@@ -45,10 +45,15 @@ impl World {
         if !forces.accelerations.is_empty() {
             gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
         }
-        find_indices(&self.influences, &self.rows, self.asleep.len(), &mut forces.indices);
+        find_indices(
+            &self.influences,
+            &self.bodies.awake.rows,
+            self.bodies.asleep.len(),
+            &mut forces.indices,
+        );
         let all = awake_springs(&self.influences, &forces.indices);
-        let (container, len) = (self.settings.container, self.rows.len());
-        let inverse_mass = |index: usize| self.particles.inverse_mass(index);
+        let (container, len) = (self.settings.container, self.bodies.awake.rows.len());
+        let inverse_mass = |index: usize| self.bodies.awake.particles.inverse_mass(index);
         forces.sprung.prepare(all, &forces.indices, container, len, inverse_mass);
     }
 }

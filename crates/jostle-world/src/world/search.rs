@@ -84,7 +84,7 @@ impl World {
     /// The pairs that overlap where they are now, in the order of a tree, and how many
     /// were tested.
     pub(crate) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
-        let (all, settings) = (&self.particles, &self.settings);
+        let (all, settings) = (&self.bodies.awake.particles, &self.settings);
         let centers: Vec<_> =
             all.positions.iter().map(|&p| settings.container.period().wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());
@@ -113,13 +113,13 @@ impl World {
     /// The overlapping pairs by id, as callers see them.
     pub(crate) fn overlaps(&self) -> Result<Vec<Touch>> {
         let touch = |Overlap { indices, offset, radius_sum }: Overlap| {
-            let [i, j] = indices.map(|index| self.rows[index as usize]);
+            let [i, j] = indices.map(|index| self.bodies.awake.rows[index as usize]);
             let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
             let sign = if i < j { 1.0 } else { -1.0 };
             // The normal of coincident centres is +x.
             let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
             let (normal_impulse, friction_impulse) = (0.0, 0.0);
-            let pair = [i.min(j), i.max(j)].map(|row| self.ids.of(row));
+            let pair = [i.min(j), i.max(j)].map(|row| self.bodies.ids.of(row));
             let depth = radius_sum - length;
             Touch { pair, normal, depth, normal_impulse, friction_impulse }
         };

@@ -16,6 +16,8 @@ use super::plan::Plan;
 use super::{OnTouch, World};
 use crate::forces::{Influence, Role};
 use crate::particles::Particles;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -172,7 +174,7 @@ impl World {
     /// error, the step can be undone.
     pub(crate) fn fall_asleep(&mut self, plan: &Plan, dt: f64) -> Result<()> {
         if !self.may_sleep() || plan.is_lossless {
-            self.persistent.drifts.clear();
+            self.bodies.awake.persistent.drifts.clear();
             return Ok(());
         }
         self.note_velocities(dt, plan.threads);
@@ -193,14 +195,17 @@ impl World {
     /// Moves islands to the sleeping ones. If there is an error on any process, nothing changes.
     pub(crate) fn put_to_sleep(&mut self, sleepers: Sleepers) -> Result<()> {
         let count = sleepers.islands.len();
-        let done =
-            if count > 0 { self.asleep.append(&sleepers, self.settings.tree) } else { Ok(()) };
+        let done = if count > 0 {
+            self.bodies.asleep.append(&sleepers, self.settings.tree)
+        } else {
+            Ok(())
+        };
         let is_appended = done.is_ok();
         let done = done.and_then(|()| self.halo.protocol().keep_pairs(self));
         let done = done.and_then(|()| self.halo().wait());
         if done.is_err() {
             if is_appended {
-                self.asleep.withdraw(count);
+                self.bodies.asleep.withdraw(count);
             }
             self.halo.protocol().drop_contacts(self);
             return done;
@@ -227,7 +232,12 @@ impl World {
     /// Adds the displacements of a step of `dt` seconds to the drifts of all particles.
     fn note_velocities(&mut self, dt: f64, threads: Option<usize>) {
         let gravity = self.gravity();
-        let Self { particles, settings, persistent, rows, external, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, persistent, rows }, .. },
+            settings,
+            external,
+            ..
+        } = self;
         let drifts = &mut persistent.drifts;
         let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
         drifts.resize(rows.len(), Drift::UNKNOWN);
@@ -265,7 +275,9 @@ impl World {
     /// Computes the mean speeds of the quarter that ends, and begins the next one.
     fn end_quarter(&mut self) {
         let gravity = self.gravity();
-        let Self { particles, persistent, scratch, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, persistent, .. }, .. }, scratch, ..
+        } = self;
         let Scratch { squares, changes, .. } = &mut scratch.sleeping;
         squares.clear();
         changes.clear();
@@ -285,7 +297,9 @@ impl World {
     /// on any process.
     fn list_sleepers(&mut self) -> Result<bool> {
         let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
-        let Self { particles, halo, rows, scratch, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, halo, scratch, ..
+        } = self;
         let own = halo.own_rows();
         let sleeping = &mut scratch.sleeping;
         sleeping.members.clear();
@@ -299,7 +313,8 @@ impl World {
         self.find_islands();
         self.sum_islands();
         self.halo.protocol().join_islands(self)?;
-        let Self { particles, rows, scratch, .. } = self;
+        let Self { bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, scratch, .. } =
+            self;
         let Scratch { first, of_islands, members, .. } = &mut scratch.sleeping;
         for (index, &first) in (0..).zip(&*first) {
             let is_at_rest = of_islands[first as usize].is_at_rest();
@@ -314,7 +329,9 @@ impl World {
     /// Sums up how the members of each island have moved. Ghosts count on their own processes; but
     /// kinematic ones keep the island awake on each process.
     fn sum_islands(&mut self) {
-        let Self { particles, halo, rows, scratch, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, halo, scratch, ..
+        } = self;
         let own = halo.own_rows();
         let Scratch { groups, squares, changes, rests, of_islands, first, .. } =
             &mut scratch.sleeping;
@@ -346,7 +363,15 @@ impl World {
     /// count: which there are depends on the speeds of all particles. Static particles belong to no
     /// island; kinematic ones keep theirs awake.
     fn find_islands(&mut self) {
-        let Self { particles, contacts, wall_impulses, rows, scratch, halo, influences, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
+            contacts,
+            wall_impulses,
+            scratch,
+            halo,
+            influences,
+            ..
+        } = self;
         let super::StepScratch { overlaps, events, sleeping, forces: scratch, .. } = scratch;
         let Scratch { groups, rests, .. } = sleeping;
         let (movable, own) = (&particles.movable, halo.own_rows());
@@ -390,7 +415,11 @@ impl World {
     /// The islands that fall asleep, at rest, without their contacts. They are still among the others,
     /// too.
     pub(crate) fn take_sleepers(&mut self) -> Sleepers {
-        let Self { particles, rows, persistent, scratch, .. } = &mut *self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, persistent }, .. },
+            scratch,
+            ..
+        } = &mut *self;
         let Scratch { members, island_of, names, .. } = &mut scratch.sleeping;
         let mut new = Sleepers::default();
         let order: Vec<u32> = members.iter().map(|&[_, index]| index).collect();
@@ -417,7 +446,9 @@ impl World {
 
     /// Adds the contacts of islands that fall asleep. Those of a distributed world are kept with ids.
     fn take_contacts(&mut self, new: &mut Sleepers) {
-        let Self { contacts, rows, scratch, halo, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { rows, .. }, .. }, contacts, scratch, halo, ..
+        } = self;
         let island_of = &scratch.sleeping.island_of;
         let lasting = contacts.lasting().filter_map(|contact| {
             // An immovable particle has no island.

@@ -14,7 +14,7 @@ impl World {
     /// [`World::step_watched`]. The same for every number of threads and every [`Method`](jostle_base::Method).
     #[doc(hidden)]
     pub fn stage_hash(&self, stage: Stage) -> u64 {
-        let mut hash = StateHash::begin(self.rows.len());
+        let mut hash = StateHash::begin(self.bodies.awake.rows.len());
         match stage {
             Stage::Forces => {
                 hash.mix_all(&self.scratch.forces.accelerations);
@@ -32,7 +32,7 @@ impl World {
                 mix_pairs(&mut hash, &self.scratch.sensed);
             }
             Stage::Contacts => {
-                hash.mix_all(&self.rows);
+                hash.mix_all(&self.bodies.awake.rows);
                 self.mix_contacts(&mut hash);
             }
             Stage::Resting => {
@@ -70,7 +70,7 @@ impl World {
     /// Positions and velocities, also of rotation.
     fn mix_motions(&self, hash: &mut StateHash) {
         let (motions, spins) = (&self.scratch.motions, &self.scratch.spins);
-        for index in 0..self.rows.len() as u32 {
+        for index in 0..self.bodies.awake.rows.len() as u32 {
             hash.mix_value([motions.position(index), motions.residual(index)]);
             hash.mix_value(motions.velocity(index));
             if !spins.is_empty() {

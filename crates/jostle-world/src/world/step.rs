@@ -4,6 +4,8 @@
 //! undoes and repeats it if it has reached sleeping particles, or if processes do not agree. `step_once` is one
 //! attempt, and has the order of the stages.
 
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::cmp::Reverse;
 
 use super::plan::Plan;
@@ -208,7 +210,7 @@ impl World {
     /// The error of a step in which particles of this process have too many collisions, with the id of
     /// the one that has most.
     pub(crate) fn too_many_collisions(&self) -> Error {
-        let all = self.rows.iter().zip(&self.scratch.events.counts);
+        let all = self.bodies.awake.rows.iter().zip(&self.scratch.events.counts);
         let own = all.filter(|of| *of.0 < self.halo.own_rows());
         let most = own.map(|(&row, &count)| (Reverse(count), self.id_among_all(row))).min();
         Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
@@ -227,9 +229,11 @@ impl World {
     fn build_tree(&mut self) -> Result<()> {
         let extent = match self.halo.take_extent() {
             Some(known) => Some(known),
-            None => self.everywhere().extent(&self.particles.positions)?,
+            None => self.everywhere().extent(&self.bodies.awake.particles.positions)?,
         };
-        let Self { particles, rows, scratch, halo, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, scratch, halo, ..
+        } = self;
         let ids = halo.ids();
         let tie = |a: usize, b: usize| {
             let id = |index: usize| ids.get(rows[index] as usize);

@@ -1,5 +1,7 @@
 //! The motions of a step: loaded from the columns before the sub-steps, and stored into them at the end.
 
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -18,8 +20,8 @@ impl World {
     /// the columns and writes all motions, so nothing is to be loaded.
     pub(crate) fn load_motions(&mut self, plan: &Plan) {
         let threads = plan.threads;
-        let are_read = plan.has_kicks() || !self.particles.spins.is_empty();
-        let Self { particles, scratch, .. } = self;
+        let are_read = plan.has_kicks() || !self.bodies.awake.particles.spins.is_empty();
+        let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, .. } = self;
         scratch.motions.resize(particles.len(), self.settings.on_touch == OnTouch::Merge);
         let motions = &scratch.motions;
         if are_read {
@@ -33,11 +35,12 @@ impl World {
     /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
     pub(crate) fn store_motions(&mut self, threads: Option<usize>) -> Result<()> {
         let (settings, scratch) = (&self.settings, &self.scratch);
-        if let Some(contact) = self.contacts.remember(self.particles.len()) {
+        if let Some(contact) = self.contacts.remember(self.bodies.awake.particles.len()) {
             let index = contact.indices[0] as usize;
             return Err(self.not_finite("contact_impulses", index, "inf"));
         }
-        let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
+        let Particles { positions, residuals, velocities, spins, .. } =
+            &mut self.bodies.awake.particles;
         let motions = &scratch.motions;
         let is_infinite = scratch.wall_pushes.iter().any(|of| !of.pushes[0].is_finite());
         let (any, period) = (AtomicBool::new(is_infinite), settings.container.period());
@@ -76,7 +79,9 @@ impl World {
         let motion = |index: usize| self.scratch.motions.get(index as u32);
         let infinite = self.scratch.wall_pushes.iter().filter(|of| !of.pushes[0].is_finite());
         let infinite: HashMap<u32, f32> = infinite.map(|of| (of.row, of.pushes[0])).collect();
-        let push = |index: usize| infinite.get(&self.rows[index]).copied().unwrap_or_default();
+        let push = |index: usize| {
+            infinite.get(&self.bodies.awake.rows[index]).copied().unwrap_or_default()
+        };
         let spins = &self.scratch.spins;
         let spin = |index: usize| {
             if spins.is_empty() { 0.0 } else { spins.velocity(index as u32) }
@@ -84,9 +89,9 @@ impl World {
         let bad = |&index: &usize| {
             !(is_finite(&motion(index)) && push(index).is_finite() && spin(index).is_finite())
         };
-        let index = (0..self.rows.len())
+        let index = (0..self.bodies.awake.rows.len())
             .filter(bad)
-            .min_by_key(|&index| self.id_among_all(self.rows[index]));
+            .min_by_key(|&index| self.id_among_all(self.bodies.awake.rows[index]));
         let index = index.expect("only called if there is one");
         let Motion { position, velocity, .. } = motion(index);
         let columns: [(&str, &[f32]); 4] = [
@@ -103,7 +108,7 @@ impl World {
     }
 
     fn not_finite(&self, argument: &'static str, at: usize, value: &str) -> Error {
-        let row = self.rows[at];
+        let row = self.bodies.awake.rows[at];
         let id = self.id_among_all(row);
         // Ids of a distributed world have no gaps.
         let index = if self.halo.is_whole() { row as usize } else { id as usize };

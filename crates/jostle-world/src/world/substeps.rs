@@ -13,6 +13,8 @@ use crate::motion::Motion;
 use crate::particles::Particles;
 use crate::resting::{Support, WallImpulse};
 use crate::walls::{Around, Clock, Near, Walls};
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
 
@@ -65,7 +67,9 @@ impl World {
     /// correction, and the results of events.
     fn begin_substeps<'a>(&mut self, plan: &'a Plan) -> Substeps<'a> {
         let any_sleeps = self.any_sleeps();
-        let Self { particles, scratch, settings, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
+        } = self;
         scratch.limits.clear();
         if any_sleeps {
             let free = FreeDisplacements::new(settings, &scratch.forces, plan.dt);
@@ -73,7 +77,9 @@ impl World {
             scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
         self.halo.protocol().limit(self);
-        let Self { particles, scratch, settings, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
+        } = self;
         scratch.grown.begin_step();
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
@@ -126,7 +132,13 @@ impl World {
             self.accelerate(common.plan.seconds() as f32)?;
             watch(Stage::Forces, self);
         }
-        let Self { particles, scratch, contacts, walls, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            scratch,
+            contacts,
+            walls,
+            ..
+        } = self;
         let StepScratch { forces, motions, kicks, near_walls, .. } = scratch;
         if !common.plan.has_kicks() {
             return Ok(());
@@ -160,7 +172,13 @@ impl World {
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.
     fn solve_resting_contacts(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
-        let Self { particles, settings, scratch, halo, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            settings,
+            scratch,
+            halo,
+            ..
+        } = self;
         let StepScratch { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = scratch;
         let springs = &mut scratch.forces.sprung;
         let clock = common.clock(substep);
@@ -172,7 +190,7 @@ impl World {
             has_friction: common.plan.has_friction,
             flow: &common.flow,
             walls: around(&self.walls, &scratch.near_walls, particles, clock),
-            rows: &self.rows,
+            rows: &self.bodies.awake.rows,
             wall_impulses: wall_pushes,
             restitution: settings.restitution,
             halo: &**halo,
@@ -187,7 +205,13 @@ impl World {
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
-        let Self { particles, settings, scratch, halo, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            settings,
+            scratch,
+            halo,
+            ..
+        } = self;
         let StepScratch { tree, max_displacements, grown, renewed, crowding, .. } = scratch;
         let of_bounds =
             BoundsScratch { tree, max_displacements, grown, renewed, crowding: *crowding };
@@ -230,7 +254,8 @@ impl World {
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
     fn correct_positions(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
-        let Self { particles, scratch, halo, .. } = self;
+        let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, halo, .. } =
+            self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, common.clock(substep + 1));
         let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);

@@ -13,21 +13,21 @@ impl World {
     /// Sum of mass times velocity of the movable particles. Sleeping particles have none.
     pub fn momentum(&self) -> [f64; 2] {
         let all = self.movable_places().map(|at| {
-            let mass = f64::from(self.particles.masses[at]);
-            self.particles.velocities[at].map(|v| mass * f64::from(v))
+            let mass = f64::from(self.bodies.awake.particles.masses[at]);
+            self.bodies.awake.particles.velocities[at].map(|v| mass * f64::from(v))
         });
         all.fold([0.0; 2], |sum, own| [0, 1].map(|k| sum[k] + own[k]))
     }
 
     /// Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
     pub fn kinetic_energy(&self) -> f64 {
-        let Particles { masses, velocities, radii, .. } = &self.particles;
+        let Particles { masses, velocities, radii, .. } = &self.bodies.awake.particles;
         let energy = |at: usize| {
             let [x, y] = velocities[at].map(f64::from);
             0.5 * f64::from(masses[at]) * (x * x + y * y)
         };
         let turning = |at: usize| {
-            let velocity = f64::from(self.particles.spin(at).velocity);
+            let velocity = f64::from(self.bodies.awake.particles.spin(at).velocity);
             let surface_speed = f64::from(radii[at]) * velocity;
             0.25 * f64::from(masses[at]) * (surface_speed * surface_speed)
         };
@@ -37,7 +37,7 @@ impl World {
 
     /// The indices of movable particles that are awake.
     fn movable_places(&self) -> impl Iterator<Item = usize> {
-        (0..self.rows.len()).filter(|&at| self.particles.movable[at])
+        (0..self.bodies.awake.rows.len()).filter(|&at| self.bodies.awake.particles.movable[at])
     }
 
     /// Energy of all movable particles in the field of gravity, and of all forces that have
@@ -49,20 +49,30 @@ impl World {
             let p = all.positions[at].map(f64::from);
             -f64::from(all.masses[at]) * (gx * p[0] + gy * p[1])
         };
-        let awake = self.movable_places().map(|at| energy(&self.particles, at));
-        let asleep = self.asleep.indices();
-        let asleep = asleep.map(|at| energy(&self.asleep.sleepers().discs.particles, at));
+        let awake = self.movable_places().map(|at| energy(&self.bodies.awake.particles, at));
+        let asleep = self.bodies.asleep.indices();
+        let asleep = asleep.map(|at| energy(&self.bodies.asleep.sleepers().discs.particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();
         if self.influences.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
 
     pub(crate) fn energy_in_forces(&self) -> f64 {
         let (mut indices, settings) = (Vec::new(), &self.settings);
-        find_indices(&self.influences, &self.rows, self.asleep.len(), &mut indices);
-        let positions = &self.particles.positions;
+        find_indices(
+            &self.influences,
+            &self.bodies.awake.rows,
+            self.bodies.asleep.len(),
+            &mut indices,
+        );
+        let positions = &self.bodies.awake.particles.positions;
         let wrapped: Vec<[f32; 2]> =
             positions.iter().map(|&position| settings.container.period().wrap(position)).collect();
-        let bodies = bodies(&self.particles, &wrapped, (&self.rows, &indices), settings);
+        let bodies = bodies(
+            &self.bodies.awake.particles,
+            &wrapped,
+            (&self.bodies.awake.rows, &indices),
+            settings,
+        );
         let bodies = Bodies { own_rows: self.halo.own_rows(), ..bodies };
         let of_influence = |influence: &Influence| match influence.role() {
             Role::Force(force) => force.energy(&bodies),
@@ -75,11 +85,20 @@ impl World {
     /// Energy of springs, also between sleeping particles.
     fn energy_of_springs(&self, springs: &Springs) -> f64 {
         let container = self.settings.container;
-        let asleep = &self.asleep.sleepers().discs;
-        let asleep =
-            self.asleep.indices().map(|at| (asleep.rows[at], asleep.particles.positions[at]));
-        let awake = self.rows.iter().copied().zip(self.particles.positions.iter().copied());
-        let mut positions = vec![[0.0; 2]; self.rows.len() + self.asleep.len()];
+        let asleep = &self.bodies.asleep.sleepers().discs;
+        let asleep = self
+            .bodies
+            .asleep
+            .indices()
+            .map(|at| (asleep.rows[at], asleep.particles.positions[at]));
+        let awake = self
+            .bodies
+            .awake
+            .rows
+            .iter()
+            .copied()
+            .zip(self.bodies.awake.particles.positions.iter().copied());
+        let mut positions = vec![[0.0; 2]; self.bodies.awake.rows.len() + self.bodies.asleep.len()];
         for (row, position) in awake.chain(asleep) {
             positions[row as usize] = container.period().wrap(position);
         }
@@ -88,7 +107,7 @@ impl World {
 
     /// A 64-bit hash of the particles but their kinds, the same on every platform.
     pub fn state_hash(&self) -> u64 {
-        let all = self.particles();
+        let all = self.bodies.particles();
         let hash = StateHash::begin(all.len());
         StateHash::parts(&all).into_iter().fold(hash, |hash, part| hash.and(&all, part)).0
     }

@@ -5,6 +5,8 @@ use crate::contacts::{Contact, sum_of_impulses};
 use crate::events::{Bounce, WALL};
 use crate::motion::exact;
 pub(crate) use crate::resting::WallImpulse;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 
@@ -97,19 +99,24 @@ impl World {
     /// Lists the rows that were exhausted, and counts those whose collisions became elastic.
     fn list_exhausted(&mut self) {
         let exhausted = &mut self.scratch.exhausted;
-        let new = self.scratch.events.exhausted.iter().map(|&index| self.rows[index as usize]);
+        let new = self
+            .scratch
+            .events
+            .exhausted
+            .iter()
+            .map(|&index| self.bodies.awake.rows[index as usize]);
         exhausted.extend(new);
         exhausted.sort_unstable();
         exhausted.dedup();
         self.stats.unresolved = exhausted.len() as u64;
-        let (own, rows) = (self.halo.own_rows(), &self.rows);
+        let (own, rows) = (self.halo.own_rows(), &self.bodies.awake.rows);
         let is_own = |index: u32| rows[index as usize] < own;
         let collapsed = self.scratch.events.collapsed.iter().filter(|&&index| is_own(index));
         self.stats.collapsed += collapsed.count() as u64;
     }
 
     fn count_collisions(&mut self) {
-        let (own, rows) = (self.halo.own_rows(), &self.rows);
+        let (own, rows) = (self.halo.own_rows(), &self.bodies.awake.rows);
         // A pair of particles belongs to the process of the first.
         let is_own = |index: u32| rows[index as usize] < own;
         let bounced = self.scratch.events.bounced.iter();
@@ -122,7 +129,7 @@ impl World {
     fn collect_wall_impulses(&mut self) {
         let bounced = self.scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
         self.wall_impulses.extend(bounced.map(|of| WallImpulse {
-            row: self.rows[of.pair[0] as usize],
+            row: self.bodies.awake.rows[of.pair[0] as usize],
             wall: of.code,
             impulses: of.impulses,
             pushes: [0.0; 2],
@@ -133,7 +140,13 @@ impl World {
     /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
     /// through each other (`sensed`), and measures all.
     fn update_contacts(&mut self, sensed: &[[u32; 2]], threads: Option<usize>) {
-        let Self { settings, scratch, particles, contacts, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, .. }, .. },
+            settings,
+            scratch,
+            contacts,
+            ..
+        } = self;
         let (motions, period) = (&scratch.motions, settings.container.period().exact());
         let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);
         let bounced = bounced.map(|of| (of.pair, of.impulses));
@@ -166,33 +179,33 @@ impl World {
         if self.settings.on_touch != OnTouch::Bounce {
             return self.overlaps();
         }
-        let id = |row: u32| self.ids.of(row);
-        let of_index = |index: u32| id(self.rows[index as usize]);
+        let id = |row: u32| self.bodies.ids.of(row);
+        let of_index = |index: u32| id(self.bodies.awake.rows[index as usize]);
         let awake = self.contacts.touching().map(|of| touch_of(of, of.indices.map(of_index)));
-        let asleep = self.asleep.contacts().filter(|contact| contact.touched);
+        let asleep = self.bodies.asleep.contacts().filter(|contact| contact.touched);
         Ok(awake.chain(asleep.map(|of| touch_of(of, of.indices.map(id)))).collect())
     }
 
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as
     /// in the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
-        let indices = self.indices();
+        let indices = self.bodies.indices();
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
             // One that is only kept for warm starting, in a world of particles of other ones.
             if impulses[0] <= 0.0 {
                 return None;
             }
             let index = indices[row as usize] as usize;
-            let (all, index) = self.disc_at(index);
+            let (all, index) = self.bodies.disc_at(index);
             let position = exact(all.positions[index], all.residuals[index]);
             let radius = f64::from(all.radii[index]);
             let contact = self.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
             let (normal, depth) = (contact.normal.map(|v| v as f32), -contact.gap as f32);
             let [normal_impulse, friction_impulse] = impulses;
-            let id = self.ids.of(row);
+            let id = self.bodies.ids.of(row);
             Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };
-        let all = self.wall_impulses.iter().chain(self.asleep.wall_impulses());
+        let all = self.wall_impulses.iter().chain(self.bodies.asleep.wall_impulses());
         let mut all: Vec<WallTouch> = all.filter_map(touch).collect();
         all.sort_by_key(|touch| (touch.id, touch.wall));
         all

@@ -31,8 +31,9 @@ impl World {
         self.scratch.touching = scratch;
         let rows = found?;
         let pressed = self.contacts.lasting().filter(|contact| contact.impulse > 0.0);
-        let pressed = pressed.map(|contact| contact.indices.map(|index| self.rows[index as usize]));
-        let asleep = self.asleep.contacts().filter(|contact| contact.impulse > 0.0);
+        let pressed = pressed
+            .map(|contact| contact.indices.map(|index| self.bodies.awake.rows[index as usize]));
+        let asleep = self.bodies.asleep.contacts().filter(|contact| contact.impulse > 0.0);
         let asleep = asleep.map(|contact| contact.indices);
         let rows = rows.into_iter().chain(pressed).chain(asleep);
         let mut all: Vec<[Id; 2]> = rows.filter_map(|rows| self.known_pair(rows)).collect();
@@ -44,23 +45,25 @@ impl World {
 
     /// The pairs of sleeping particles that touched when they were recorded.
     pub(crate) fn known_touches_asleep(&self) -> Vec<[Id; 2]> {
-        if !self.record.knows_sleepers || self.asleep.is_empty() {
+        if !self.record.knows_sleepers || self.bodies.asleep.is_empty() {
             return Vec::new();
         }
-        let asleep = self.asleep();
-        let sleeps = |&id: &Id| self.ids.row(id).is_some_and(|row| asleep[row as usize]);
+        let asleep = self.bodies.asleep();
+        let sleeps = |&id: &Id| self.bodies.ids.row(id).is_some_and(|row| asleep[row as usize]);
         let known = self.record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
-        known.filter(|pair| pair.iter().all(|&id| self.contains(id))).copied().collect()
+        known.filter(|pair| pair.iter().all(|&id| self.bodies.contains(id))).copied().collect()
     }
 
     /// The pairs of rows with a small gap. Sleeping ones are left out if their pairs are known.
     fn find_touching(&self, scratch: &mut Scratch) -> Result<Vec<[u32; 2]>> {
         let is_whole = self.halo.is_whole();
-        if self.asleep.is_empty() || self.record.knows_sleepers || !is_whole {
-            let pairs = self.find_touching_of(&self.particles, scratch)?;
-            return Ok(pairs.map(|pair| pair.map(|index| self.rows[index as usize])).collect());
+        if self.bodies.asleep.is_empty() || self.record.knows_sleepers || !is_whole {
+            let pairs = self.find_touching_of(&self.bodies.awake.particles, scratch)?;
+            return Ok(pairs
+                .map(|pair| pair.map(|index| self.bodies.awake.rows[index as usize]))
+                .collect());
         }
-        Ok(self.find_touching_of(&self.particles(), scratch)?.collect())
+        Ok(self.find_touching_of(&self.bodies.particles(), scratch)?.collect())
     }
 
     pub(crate) fn find_touching_of<'a>(

@@ -1,7 +1,7 @@
 //! Rollback: restores the state before a step that is refused or interrupted.
 
-use super::discs::Discs;
-use super::ids::Ids;
+use super::bodies::discs::Discs;
+use super::bodies::ids::Ids;
 use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
@@ -50,7 +50,7 @@ impl World {
         self.record.begin_step();
         before.ids = None;
         let period = self.settings.container.period();
-        let Particles { positions, residuals, .. } = &mut self.particles;
+        let Particles { positions, residuals, .. } = &mut self.bodies.awake.particles;
         let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
         let is_any_outside = !period.is_none() && positions.iter().any(outside);
         before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
@@ -66,15 +66,16 @@ impl World {
         let before = &mut self.scratch.before;
         if before.is_reordered {
             let Discs { particles, rows, persistent } = &mut before.discs;
-            std::mem::swap(&mut self.particles, particles);
-            std::mem::swap(&mut self.rows, rows);
-            std::mem::swap(&mut self.persistent, persistent);
+            std::mem::swap(&mut self.bodies.awake.particles, particles);
+            std::mem::swap(&mut self.bodies.awake.rows, rows);
+            std::mem::swap(&mut self.bodies.awake.persistent, persistent);
             self.contacts.exchange(&mut before.contacts);
-            self.contacts.remember(self.rows.len());
-            self.indices.take();
+            self.contacts.remember(self.bodies.awake.rows.len());
+            self.bodies.forget_indices();
         }
         if let Some([positions, residuals]) = before.unwrapped.take() {
-            (self.particles.positions, self.particles.residuals) = (positions, residuals);
+            (self.bodies.awake.particles.positions, self.bodies.awake.particles.residuals) =
+                (positions, residuals);
         }
         std::mem::swap(&mut self.influences, &mut before.influences);
         std::mem::swap(&mut self.external, &mut before.external);
@@ -85,7 +86,7 @@ impl World {
         self.stats = before.stats;
         self.record.undo_step();
         if let Some(ids) = before.ids.take() {
-            self.ids = ids;
+            self.bodies.ids = ids;
         }
     }
 }

@@ -6,11 +6,12 @@
 //! follows from the bounds with which a part of a step begins, and from the histories of
 //! the particles that leave them.
 
+use crate::world::bodies::Bodies;
 use std::cmp::Ordering;
 
 use super::World;
+use super::bodies::discs::Discs;
 use super::bounds::{FreeDisplacements, rounding};
-use super::discs::Discs;
 use crate::contacts::Contact;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -35,14 +36,14 @@ const NONE: u32 = u32::MAX;
 impl World {
     /// Whether particles sleep and all others are static, so that a step changes nothing.
     pub(crate) fn is_still(&self) -> bool {
-        !self.asleep.is_empty()
+        !self.bodies.asleep.is_empty()
             && self.influences.motors().next().is_none()
-            && (0..self.rows.len()).all(|at| self.particles.is_static(at))
+            && (0..self.bodies.awake.rows.len()).all(|at| self.bodies.awake.particles.is_static(at))
     }
 
     /// Whether any particle sleeps, on any process.
     pub(crate) fn any_sleeps(&self) -> bool {
-        !self.asleep.is_empty() || self.halo.agreed().is_some_and(|agreed| agreed.any_sleeps)
+        !self.bodies.asleep.is_empty() || self.halo.agreed().is_some_and(|agreed| agreed.any_sleeps)
     }
 
     /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any process;
@@ -51,7 +52,13 @@ impl World {
         if !self.any_sleeps() {
             return Ok(false);
         }
-        let Self { asleep, halo, particles, rows, scratch, settings, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, asleep, .. },
+            halo,
+            scratch,
+            settings,
+            ..
+        } = self;
         let own = halo.own_rows();
         let free = FreeDisplacements::new(settings, &scratch.forces, dt);
         let radius = |index: u32| {
@@ -78,7 +85,7 @@ impl World {
         if !self.find_circles_outside_limits()? {
             return self.note_touched(false);
         }
-        let Self { asleep, halo, scratch, settings, .. } = self;
+        let Self { bodies: Bodies { asleep, .. }, halo, scratch, settings, .. } = self;
         let mut tree = std::mem::take(&mut scratch.waking.tree);
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
         let radius = |_| Some(f32::INFINITY);
@@ -92,7 +99,13 @@ impl World {
     /// Builds the tree of circles around the particles of this process that have left their bounds; returns
     /// whether there are any.
     fn find_circles_outside_limits(&mut self) -> Result<bool> {
-        let Self { particles, scratch, settings, halo, rows, .. } = self;
+        let Self {
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
+            scratch,
+            settings,
+            halo,
+            ..
+        } = self;
         let own = halo.own_rows();
         let outside_limits = &mut scratch.events.outside_limits;
         outside_limits.retain(|&(index, _)| rows[index as usize] < own);
@@ -141,18 +154,18 @@ impl World {
         }
         let total = self.len();
         self.halo.protocol().recall_contacts(self, islands);
-        let woken = self.asleep.wake(islands);
-        let first = self.rows.len();
+        let woken = self.bodies.asleep.wake(islands);
+        let first = self.bodies.awake.rows.len();
         let Discs { particles, rows, persistent } = &woken.discs;
         let len = first + rows.len();
-        self.particles.extend(particles);
-        self.rows.extend_from_slice(rows);
-        self.persistent.append(first, persistent, rows.len());
-        self.forget_indices();
+        self.bodies.awake.particles.extend(particles);
+        self.bodies.awake.rows.extend_from_slice(rows);
+        self.bodies.awake.persistent.append(first, persistent, rows.len());
+        self.bodies.forget_indices();
         self.wall_impulses.extend_from_slice(&woken.wall_impulses);
         self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
         // Contacts are with each other or with immovable particles.
-        let (rows, movable) = (&self.rows, &self.particles.movable);
+        let (rows, movable) = (&self.bodies.awake.rows, &self.bodies.awake.particles.movable);
         let named = || (0..len).filter(|&index| index >= first || !movable[index]);
         let indices = &mut self.scratch.waking.indices;
         indices.resize(total.max(indices.len()), NONE);
@@ -173,26 +186,26 @@ impl World {
 
     /// The same, in a step that may fail.
     pub(crate) fn wake_every_island(&mut self) {
-        let all: Vec<u32> = self.asleep.islands().collect();
+        let all: Vec<u32> = self.bodies.asleep.islands().collect();
         self.wake(&all);
     }
 
     /// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of
     /// which only the velocities have changed.
     pub(crate) fn wake_driven(&mut self, rows: &mut [u32]) {
-        if self.asleep.is_empty() || rows.is_empty() {
+        if self.bodies.asleep.is_empty() || rows.is_empty() {
             return;
         }
         rows.sort_unstable();
-        let mut islands = self.asleep.islands_touching(rows);
+        let mut islands = self.bodies.asleep.islands_touching(rows);
         let is_driven = |row: &Id| rows.binary_search(&(*row as u32)).is_ok();
         let all = self.influences.springs().flat_map(|springs| &springs.0);
         let tied = all.map(|spring| spring.pair).filter(|pair| pair.iter().any(is_driven));
         let tied: Vec<u32> = tied.flatten().map(|row| row as u32).collect();
-        let awake = self.rows.len();
-        let sleeping = self.indices_of(&tied);
+        let awake = self.bodies.awake.rows.len();
+        let sleeping = self.bodies.indices_of(&tied);
         let sleeping = sleeping.iter().filter_map(|&index| (index as usize).checked_sub(awake));
-        islands.extend(self.asleep.islands_of(sleeping));
+        islands.extend(self.bodies.asleep.islands_of(sleeping));
         islands.sort_unstable();
         islands.dedup();
         self.wake_to_stay(&islands);
@@ -200,16 +213,16 @@ impl World {
 
     /// Wakes the islands of some rows; all if one of these is immovable.
     pub(crate) fn wake_changed(&mut self, rows: &[u32]) {
-        if self.asleep.is_empty() {
+        if self.bodies.asleep.is_empty() {
             return;
         }
-        let (indices, awake) = (self.indices_of(rows), self.rows.len());
-        let movable = &self.particles.movable;
+        let (indices, awake) = (self.bodies.indices_of(rows), self.bodies.awake.rows.len());
+        let movable = &self.bodies.awake.particles.movable;
         if indices.iter().any(|&index| movable.get(index as usize) == Some(&false)) {
             return self.wake_all();
         }
         let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
-        let islands = self.asleep.islands_of(sleeping);
+        let islands = self.bodies.asleep.islands_of(sleeping);
         self.wake_to_stay(&islands);
     }
 
@@ -221,9 +234,9 @@ impl World {
 
     /// Makes waking final.
     pub(crate) fn forget_woken(&mut self) {
-        self.asleep.forget_woken();
+        self.bodies.asleep.forget_woken();
         self.halo.protocol().drop_contacts(self);
-        self.forget_indices();
+        self.bodies.forget_indices();
     }
 
     /// Removes the impulses of walls on some rows.
@@ -234,15 +247,15 @@ impl World {
 
     /// Puts the islands to sleep again that were woken for a step that failed.
     pub(crate) fn cancel_waking(&mut self) {
-        let woken = self.asleep.woken_rows();
+        let woken = self.bodies.asleep.woken_rows();
         if woken.is_empty() {
             return;
         }
         let is_asleep = |row: &u32| woken.binary_search(row).is_ok();
-        let keep: Vec<bool> = self.rows.iter().map(|row| !is_asleep(row)).collect();
+        let keep: Vec<bool> = self.bodies.awake.rows.iter().map(|row| !is_asleep(row)).collect();
         self.drop_wall_impulses(woken);
         self.keep(&keep);
-        self.asleep.cancel_waking();
-        self.forget_indices();
+        self.bodies.asleep.cancel_waking();
+        self.bodies.forget_indices();
     }
 }

@@ -1,5 +1,6 @@
 //! The same operations on one world and on a distributed one, whose ranks are threads.
 
+use jostle_world::ranks;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle};
@@ -57,7 +58,8 @@ impl Case for RanksCase {
             let ids = rows.into_iter().map(Id::from).collect();
             let work = move || {
                 let mut world = World::new(own, settings).expect("valid");
-                world.distribute(Box::new(communicator), ids).expect("all ranks are there");
+                ranks::distribute(&mut world, Box::new(communicator), ids)
+                    .expect("all ranks are there");
                 while let Ok(task) = waiting.recv() {
                     _ = done.send(task(rank, &mut world));
                 }
@@ -124,27 +126,27 @@ impl RanksCase {
                 put_record(&mut records, id, &new, row);
                 given.push(id);
             }
-            world.add_of_ranks(records, &given, count)?;
-            world.agree_on_losses()?;
+            ranks::add(world, records, &given, count)?;
+            ranks::agree_on_losses(world)?;
             Ok(Vec::new())
         });
         assert!(answers.iter().all(Result::is_ok), "{answers:?}");
     }
 
     fn remove(&mut self, draw: &mut Draw) {
-        let ids = draw.subset(&self.whole.ids(), 4);
+        let ids = draw.subset(&self.whole.bodies().ids(), 4);
         draw.say("remove", &ids);
         self.whole.remove(&ids).expect("they are there");
         let answers = self.all_ranks(move |_, world| {
-            world.remove_of_ranks(&ids)?;
-            world.agree_on_losses()?;
+            ranks::remove(world, &ids)?;
+            ranks::agree_on_losses(world)?;
             Ok(Vec::new())
         });
         assert!(answers.iter().all(Result::is_ok), "{answers:?}");
     }
 
     fn set(&mut self, draw: &mut Draw) {
-        let ids = draw.subset(&self.whole.ids(), 5);
+        let ids = draw.subset(&self.whole.bodies().ids(), 5);
         let (which, new) =
             (draw.below(4), ids.iter().map(|_| draw_particle(draw)).collect::<Vec<_>>());
         draw.say("set", (&ids, which, &new));
@@ -167,7 +169,7 @@ impl RanksCase {
         let all: Vec<usize> = (0..ids.len()).collect();
         self.whole.set(&ids, &changes(&all)).expect("valid");
         let answers = self.all_ranks(move |_, world| {
-            let own = world.own_ids().0;
+            let own = ranks::own_ids(world).0;
             let here = |id: &Id| own.iter().position(|other| other == id);
             let rows: Vec<usize> =
                 (0..ids.len()).filter(|&row| here(&ids[row]).is_some()).collect();
@@ -175,7 +177,7 @@ impl RanksCase {
             let named: Vec<Id> =
                 rows.iter().filter_map(|&row| here(&ids[row])).map(|row| row as Id).collect();
             world.set(&named, &changes(&rows))?;
-            world.agree_on_losses()?;
+            ranks::agree_on_losses(world)?;
             Ok(Vec::new())
         });
         assert!(answers.iter().all(Result::is_ok), "{answers:?}");
@@ -185,9 +187,9 @@ impl RanksCase {
         let by = draw.pick(&[0.0, 5.0, -30.0]);
         draw.say("accelerate", by);
         self.each(move |world| {
-            world.drop_ghosts();
+            ranks::drop_ghosts(world);
             let of = |id: Id| if id % 3 == 0 { [by, 1.0] } else { [0.0; 2] };
-            let all = world.own_ids().0.into_iter().map(of).collect();
+            let all = ranks::own_ids(world).0.into_iter().map(of).collect();
             world.set_accelerations(all)
         });
     }
@@ -231,7 +233,7 @@ impl RanksCase {
         draw.say("configure", settings);
         self.each(move |world| {
             world.configure(settings)?;
-            world.agree_on_losses()
+            ranks::agree_on_losses(world)
         });
     }
 
@@ -239,7 +241,7 @@ impl RanksCase {
         let steps = 1 + draw.below(3) as u64;
         draw.say("rebalance_every", steps);
         self.all_ranks(move |_, world| {
-            world.rebalance_every(steps);
+            ranks::rebalance_every(world, steps);
             Ok(Vec::new())
         });
     }
@@ -257,7 +259,7 @@ impl RanksCase {
 
     /// All parts together have the particles of the whole.
     fn compare(&self) {
-        let parts = self.all_ranks(|_, world| Ok(world.own_records()));
+        let parts = self.all_ranks(|_, world| Ok(ranks::own_records(world)));
         let mut found: Vec<(Id, Particles)> = Vec::new();
         for bytes in parts {
             let (own, ids) = read_records(&bytes.expect("they are read"));
@@ -272,8 +274,8 @@ impl RanksCase {
         let mut all = Particles::default();
         found.iter().for_each(|(_, one)| all.extend(one));
         all.simplify();
-        assert!(found.iter().map(|of| of.0).eq(self.whole.ids()));
-        assert_eq!(all, self.whole.particles());
+        assert!(found.iter().map(|of| of.0).eq(self.whole.bodies().ids()));
+        assert_eq!(all, self.whole.bodies().particles());
     }
 }
 

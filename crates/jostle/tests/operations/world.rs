@@ -421,8 +421,8 @@ impl WorldCase {
             self.compare();
             self.follow();
         }
-        self.all = self.worlds[0].particles();
-        self.ids = self.worlds[0].ids();
+        self.all = self.worlds[0].bodies().particles();
+        self.ids = self.worlds[0].bodies().ids();
     }
 
     /// Compares what the worlds know after a step.
@@ -430,8 +430,8 @@ impl WorldCase {
         let [first, others @ ..] = &self.worlds;
         for (world, way) in others.iter().zip(&WAYS[1..]) {
             assert_eq!(world.state_hash(), first.state_hash(), "{way}");
-            assert_eq!(world.ids(), first.ids(), "{way}");
-            assert_eq!(world.asleep(), first.asleep(), "{way}");
+            assert_eq!(world.bodies().ids(), first.bodies().ids(), "{way}");
+            assert_eq!(world.bodies().asleep(), first.bodies().asleep(), "{way}");
             assert_eq!(world.contacts(), first.contacts(), "{way}");
             assert_eq!(world.wall_contacts(), first.wall_contacts(), "{way}");
             assert_eq!(
@@ -471,8 +471,12 @@ impl WorldCase {
 
     fn check(&self) {
         for (world, way) in self.worlds.iter().zip(WAYS) {
-            assert_eq!(world.particles(), self.all, "{way}");
-            assert_eq!((world.ids(), world.len()), (self.ids.clone(), self.all.len()), "{way}");
+            assert_eq!(world.bodies().particles(), self.all, "{way}");
+            assert_eq!(
+                (world.bodies().ids(), world.len()),
+                (self.ids.clone(), self.all.len()),
+                "{way}"
+            );
         }
     }
 }

@@ -4,7 +4,7 @@
 use std::mem;
 
 use super::super::asleep::{Island, Sleepers};
-use super::super::discs::Persistent;
+use super::super::bodies::discs::Persistent;
 use super::super::sleeping::Drift;
 use super::super::touches::WallImpulse;
 use super::super::{Walls, World, WorldSettings};
@@ -33,24 +33,31 @@ impl World {
         let WorldSettings { container, tree, .. } = self.settings;
         self.settings.validate().map_err(refused)?;
         ensure(self.time.is_finite(), "its time is not finite")?;
-        self.check_discs(&self.particles, &self.persistent, self.rows.len())?;
-        self.particles.simplify();
-        let Sleepers { discs, contacts, wall_impulses, islands } = self.asleep.sleepers();
+        self.check_discs(
+            &self.bodies.awake.particles,
+            &self.bodies.awake.persistent,
+            self.bodies.awake.rows.len(),
+        )?;
+        self.bodies.awake.particles.simplify();
+        let Sleepers { discs, contacts, wall_impulses, islands } = self.bodies.asleep.sleepers();
         self.check_discs(&discs.particles, &discs.persistent, discs.rows.len())?;
         check_islands(islands, [discs.rows.len(), contacts.len(), wall_impulses.len()])?;
-        let (awake, len) = (self.rows.len(), self.rows.len().saturating_add(discs.rows.len()));
+        let (awake, len) = (
+            self.bodies.awake.rows.len(),
+            self.bodies.awake.rows.len().saturating_add(discs.rows.len()),
+        );
         ensure(len <= MAX_ROWS, "it has too many particles")?;
-        check_rows(self.rows.iter().chain(&discs.rows), len)?;
+        check_rows(self.bodies.awake.rows.iter().chain(&discs.rows), len)?;
         check_contacts(self.contacts.all(), awake)?;
         check_contacts(contacts, len)?;
         check_impulses(&self.wall_impulses, len)?;
         check_impulses(wall_impulses, len)?;
         self.contacts.remember(awake);
-        self.asleep = self.asleep.rebuilt(tree).map_err(refused)?;
+        self.bodies.asleep = self.bodies.asleep.rebuilt(tree).map_err(refused)?;
         self.check_sleeping()?;
         self.influences
             .validate(|row| (0..len as Id).contains(&row))
-            .and_then(|()| self.influences.check_kinds(&self.kinds()))
+            .and_then(|()| self.influences.check_kinds(&self.bodies.kinds()))
             .and_then(|()| self.influences.check_fit(container))
             .map_err(refused)?;
         let walls = mem::take(&mut self.walls).all().to_vec();
@@ -58,13 +65,17 @@ impl World {
         self.walls.set_sides(self.settings.side_restitutions());
         self.influences.check_walls(self.walls.all().len()).map_err(refused)?;
         self.check_wall_impulses()?;
-        self.ids.check(len).and_then(|()| self.defaults.validate()).map_err(refused)?;
+        self.bodies
+            .ids
+            .check(len)
+            .and_then(|()| self.bodies.defaults.validate())
+            .map_err(refused)?;
         if let Some(external) = &self.external {
             ensure(external.len() == len, "it has accelerations of no particles")?;
             check_vectors("accelerations", external).map_err(refused)?;
         }
-        self.record.check(self.ids.parts().1, self.settings.track_events)?;
-        ensure(self.asleep.is_empty() || self.may_sleep(), "nothing can sleep in it")
+        self.record.check(self.bodies.ids.parts().1, self.settings.track_events)?;
+        ensure(self.bodies.asleep.is_empty() || self.may_sleep(), "nothing can sleep in it")
     }
 
     fn check_discs(
@@ -84,7 +95,7 @@ impl World {
     /// Refuses impulses of walls that do not exist.
     pub(crate) fn check_wall_impulses(&self) -> Result<()> {
         let count = self.walls.all().len();
-        let mut all = self.wall_impulses.iter().chain(&self.asleep.sleepers().wall_impulses);
+        let mut all = self.wall_impulses.iter().chain(&self.bodies.asleep.sleepers().wall_impulses);
         let is_known =
             |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
         ensure(all.all(is_known), "a wall has an impulse on no particle")
@@ -92,19 +103,24 @@ impl World {
 
     /// Refuses sleeping particles that move, and islands with contacts of others.
     pub(crate) fn check_sleeping(&self) -> Result<()> {
-        let Sleepers { discs, contacts, wall_impulses, islands } = self.asleep.sleepers();
+        let Sleepers { discs, contacts, wall_impulses, islands } = self.bodies.asleep.sleepers();
         let particles = &discs.particles;
-        let indices = self.indices();
+        let indices = self.bodies.indices();
         let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
             && particles.spins.iter().all(|spin| spin.velocity == 0.0)
             && particles.movable.iter().all(|&movable| movable);
         let are_own = |island: &Island| {
-            let first = self.rows.len() as u32;
+            let first = self.bodies.awake.rows.len() as u32;
             let own = first + island.particles.start..first + island.particles.end;
             let index = |row: u32| indices[row as usize];
             let is_own = |&row: &u32| own.contains(&index(row));
             let is_fixed = |&row: &u32| {
-                self.particles.movable.get(index(row) as usize).is_some_and(|&movable| !movable)
+                self.bodies
+                    .awake
+                    .particles
+                    .movable
+                    .get(index(row) as usize)
+                    .is_some_and(|&movable| !movable)
             };
             let range = |range: &std::ops::Range<u32>| range.start as usize..range.end as usize;
             contacts[range(&island.contacts)].iter().all(|contact| {

@@ -16,13 +16,12 @@ use jostle_base::saved;
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 saved! {
     struct World {
-        settings, time, rows, particles, persistent, contacts, wall_impulses, asleep, influences, walls,
-        ids, defaults, external, record, attachment;
-        indices, stats, halo, scratch
+        settings, time, bodies, contacts, wall_impulses, influences, walls, external, record, attachment;
+        stats, halo, scratch
     }
 }
 
@@ -36,7 +35,7 @@ impl World {
     /// let bytes = world.snapshot();
     /// world.step(0.1, 10)?;
     /// let again = World::restore(&bytes)?;
-    /// assert_eq!(again.positions(), [[0.0, 0.0]]);
+    /// assert_eq!(again.bodies().positions(), [[0.0, 0.0]]);
     /// # Ok::<(), jostle_base::Error>(())
     /// ```
     pub fn snapshot(&self) -> Vec<u8> {
@@ -46,7 +45,7 @@ impl World {
     }
 
     /// Refuses the first bytes of `size` if no snapshot begins with them.
-    pub(crate) fn check_head_of_whole(head: &[u8], size: u64) -> Result<()> {
+    pub fn check_head(head: &[u8], size: u64) -> Result<()> {
         if head.len() as u64 == size || head.starts_with(&MAGIC) {
             Ok(())
         } else {
@@ -55,7 +54,7 @@ impl World {
     }
 
     /// The world of a snapshot. Refuses bytes that are none, are cut off or damaged.
-    pub(crate) fn restore_whole(bytes: &[u8]) -> Result<Self> {
+    pub fn restore(bytes: &[u8]) -> Result<Self> {
         let mut from = Reader::open(bytes, MAGIC, VERSION)?;
         let mut world = Self::get(&mut from)?;
         from.close()?;

@@ -1,14 +1,52 @@
-//! The columns of the particles in the order of adding, awake and asleep ones together, and their
-//! quadtree.
+//! The particles of a world, awake and asleep: their columns, ids and rows.
+//!
+//! Those that are awake are kept in the canonical order of the last step: Morton order of their positions at its
+//! beginning, ties by their other values. So neighbours in space are neighbours in memory, and every sum and every
+//! loop runs in an order that comes from the state. A particle has an *id*, which stays, and which only callers use; a
+//! *row*, its place in the order of adding; and an *index*, its place in memory, which changes with every step.
 
-use super::World;
+mod defaults;
+pub(crate) mod discs;
+pub(crate) mod ids;
+
+use std::sync::OnceLock;
+
+use super::asleep::Asleep;
 use crate::particles::{Particles, Spin};
-use jostle_base::error::Result;
+pub use defaults::Defaults;
+use discs::Discs;
+use ids::Ids;
+use jostle_base::saved;
 use jostle_base::table::Table;
-use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::{Each, Filter, Shapes, fill_filters};
+use jostle_index::shapes::Filter;
 
-impl World {
+/// The particles of a world.
+#[derive(Debug, Default)]
+pub struct Bodies {
+    /// Those that are awake, by index.
+    pub(crate) awake: Discs,
+    /// The others; their indices come after those of all that are awake.
+    pub(crate) asleep: Asleep,
+    /// The id of each row.
+    pub(crate) ids: Ids,
+    /// The index of each row, once it was needed.
+    indices: OnceLock<Vec<u32>>,
+    pub(crate) defaults: Defaults,
+}
+
+saved! { struct Bodies { awake, asleep, ids, defaults; indices } }
+
+impl Bodies {
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.awake.rows.len() + self.asleep.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// A copy of all particles in the order of adding.
     pub fn particles(&self) -> Particles {
         self.particles_at(self.indices())
@@ -23,7 +61,7 @@ impl World {
     fn particles_at(&self, indices: &[u32]) -> Particles {
         let mut copy = Particles::default();
         if self.asleep.is_empty() {
-            copy.gather(&self.particles, indices, Some(1));
+            copy.gather(&self.awake.particles, indices, Some(1));
             return copy;
         }
         copy.resize(indices.len());
@@ -33,16 +71,6 @@ impl World {
         }
         copy.drop_defaults();
         copy
-    }
-
-    /// A quadtree of the particles as they are now; its rows are those of the particles.
-    pub fn quadtree(&self) -> Result<Quadtree<f32>> {
-        let radii = Each::Rows(self.radii());
-        let mut shapes = Shapes::circles(self.positions(), radii)?;
-        if self.has_filters() {
-            fill_filters(self.filters().into_iter(), shapes.columns_mut().filters);
-        }
-        Quadtree::new(&shapes, self.settings.tree)
     }
 
     /// Centres in the order of adding.
@@ -106,9 +134,9 @@ impl World {
     }
 
     /// Whether some particles may not touch others.
-    fn has_filters(&self) -> bool {
+    pub(crate) fn has_filters(&self) -> bool {
         let sleepers = &self.asleep.sleepers().discs.particles;
-        !self.particles.filters.is_empty() || !sleepers.filters.is_empty()
+        !self.awake.particles.filters.is_empty() || !sleepers.filters.is_empty()
     }
 
     /// Whether each particle is asleep, in the order of adding.
@@ -124,8 +152,8 @@ impl World {
 
     fn column<V: Copy + Default>(&self, value: impl Fn(&Particles, usize) -> V) -> Vec<V> {
         let mut column = vec![V::default(); self.len()];
-        for (at, &row) in self.rows.iter().enumerate() {
-            column[row as usize] = value(&self.particles, at);
+        for (at, &row) in self.awake.rows.iter().enumerate() {
+            column[row as usize] = value(&self.awake.particles, at);
         }
         let sleepers = &self.asleep.sleepers().discs;
         for at in self.asleep.indices() {
@@ -136,8 +164,8 @@ impl World {
 
     /// The columns of the particle at an index, and its row in them.
     pub(crate) fn disc_at(&self, index: usize) -> (&Particles, usize) {
-        match index.checked_sub(self.rows.len()) {
-            None => (&self.particles, index),
+        match index.checked_sub(self.awake.rows.len()) {
+            None => (&self.awake.particles, index),
             Some(at) => (&self.asleep.sleepers().discs.particles, at),
         }
     }
@@ -149,7 +177,7 @@ impl World {
     }
 
     /// The index of each row; those of sleeping particles come after those of all others. They are
-    /// computed when they are first needed, and kept until [`World::forget_indices`].
+    /// computed when they are first needed, and kept until [`Bodies::forget_indices`].
     pub(crate) fn indices(&self) -> &[u32] {
         let indices = self.indices.get_or_init(|| self.find_indices());
         debug_assert!(self.are_indices(indices));
@@ -173,8 +201,8 @@ impl World {
     }
 
     fn rows_and_indices(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
-        let (awake, rows) = (self.rows.len(), &self.asleep.sleepers().discs.rows);
+        let (awake, rows) = (self.awake.rows.len(), &self.asleep.sleepers().discs.rows);
         let asleep = self.asleep.indices().map(move |at| (rows[at], (awake + at) as u32));
-        self.rows.iter().copied().zip(0..).chain(asleep)
+        self.awake.rows.iter().copied().zip(0..).chain(asleep)
     }
 }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::World;
+use super::Bodies;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory;
@@ -92,7 +92,7 @@ impl Ids {
     pub(crate) fn remove(&mut self, gone: &[bool]) {
         let next = self.next;
         let all = self.listed.get_or_insert_with(|| (0..next).collect());
-        super::edits::retain_unless(all, gone);
+        crate::world::edits::retain_unless(all, gone);
     }
 
     /// What is wrong with an id that no particle has.
@@ -106,18 +106,13 @@ impl Ids {
     }
 }
 
-impl World {
+impl Bodies {
     /// The id of each row, ascending. An id is never given twice.
     pub fn ids(&self) -> Vec<Id> {
         match self.ids.parts() {
             (None, next) => (0..next).collect(),
             (Some(all), _) => all.to_vec(),
         }
-    }
-
-    /// The id of a row; in a distributed world that among the particles of all processes.
-    pub(crate) fn id_among_all(&self, row: u32) -> Id {
-        if self.halo.is_whole() { self.ids.of(row) } else { self.halo.ids()[row as usize] }
     }
 
     /// Whether a particle has this id.
@@ -146,11 +141,8 @@ impl World {
         }
     }
 
-    /// The present id of each id that was given, if particles merged since the record began: merged particles share the
-    /// smallest of their ids. None stands for an id that no particle has; None in place of all if
-    /// nothing merged. An error if more than 2²⁷ ids were given, or there is no memory for them.
-    pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {
-        let Some(merged) = self.record.merged() else { return Ok(None) };
+    /// The present id of each id that was given; None where no particle has it. `merged` are old and new ids.
+    pub(crate) fn renumbered(&self, merged: &[[Id; 2]]) -> Result<Vec<Option<Id>>> {
         let len = self.ids.next as usize;
         if len > MAX_RENUMBERED {
             return Err(Error::NoMemory { bytes: len.saturating_mul(size_of::<Option<Id>>()) });
@@ -159,7 +151,7 @@ impl World {
         new.resize(len, None);
         self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
         merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));
-        Ok(Some(new))
+        Ok(new)
     }
 }
 

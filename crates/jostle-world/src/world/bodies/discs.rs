@@ -1,7 +1,7 @@
 //! The columns of the particles by indices, each declared once. What a step computes anew is in `StepScratch`.
 
-use super::sleeping::Drift;
 use crate::particles::Particles;
+use crate::world::sleeping::Drift;
 use jostle_base::table;
 
 table! {

@@ -1,6 +1,5 @@
 //! Values of new particles for which the caller gives none.
 
-use super::World;
 use crate::particles::{check_friction, check_masses, check_radii, check_restitutions};
 use jostle_base::error::{Error, Result};
 use jostle_base::saved;
@@ -41,7 +40,7 @@ impl Default for Defaults {
 
 impl Defaults {
     /// Refuses values that no particle can have.
-    pub(super) fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         check_radii(self.radius.as_slice())?;
         check_masses(self.mass.as_slice())?;
         if !(self.density > 0.0 && self.density.is_finite()) {
@@ -50,19 +49,5 @@ impl Defaults {
         }
         check_restitutions(&[self.restitution])?;
         check_friction(&[self.friction])
-    }
-}
-
-impl World {
-    /// Values of new particles for which the caller gives none.
-    pub fn defaults(&self) -> Defaults {
-        self.defaults
-    }
-
-    /// Changes them. If they are refused, the old ones stay.
-    pub fn set_defaults(&mut self, defaults: Defaults) -> Result<()> {
-        defaults.validate()?;
-        self.defaults = defaults;
-        Ok(())
     }
 }
