@@ -1,7 +1,7 @@
 //! The columns of the particles as properties.
 
 use jostle_base::Error;
-use jostle_world::{Bodies, Changes, World};
+use jostle_world::{Bodies, Changes};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
