@@ -586,7 +586,9 @@ impl Window<'_> {
         for (wall, side) in container.sides() {
             let Contact { normal, gap, .. } = side.contact(wall, now.position, radius);
             let limits = limits_of(wall);
-            if gap > limits.rounding {
+            // False where numbers overflow and the gap is none.
+            let is_near = gap <= limits.rounding;
+            if !is_near {
                 continue;
             }
             debug_assert!(gap.is_finite());
