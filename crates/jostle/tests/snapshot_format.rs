@@ -2,7 +2,8 @@
 //! unnoticed.
 //!
 //! A deliberate change raises `VERSION` in `world/snapshot/mod.rs`; then `JOSTLE_WRITE=1 cargo test -p jostle --test
-//! all snapshot_format` writes the files.
+//! all snapshot_format` writes the files. Where the physics has changed, so have the states in them: then the files are
+//! written anew without a new version.
 
 use std::path::Path;
 use std::sync::Arc;
