@@ -417,9 +417,14 @@ impl<'a> Reader<'a> {
         (0..count).map(|row| if differs(row) { self.get() } else { Ok(P::default()) }).collect()
     }
 
+    /// Whether there are no values left.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Refuses bytes after the last value.
     pub fn close(self) -> Result<()> {
-        if self.0.is_empty() { Ok(()) } else { Err(damaged("something is left over")) }
+        if self.is_empty() { Ok(()) } else { Err(damaged("something is left over")) }
     }
 
     fn take(&mut self, count: usize) -> Result<&'a [u8]> {
@@ -463,4 +468,66 @@ pub fn checksum(bytes: &[u8]) -> u64 {
     }
     let ends = chains.into_iter().chain(rest.iter().map(|&byte| u64::from(byte)));
     ends.fold(bytes.len() as u64, mix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Pair {
+        first: u32,
+        flag: bool,
+        scratch: [f32; 3],
+    }
+    plain! { Pair { flag, first; scratch } }
+
+    #[derive(Debug, PartialEq)]
+    enum Shape {
+        Point,
+        Disc(f32),
+        Box { low: [f32; 2], name: Option<String> },
+    }
+    saved! { enum Shape("shape") { 0 => Point, 1 => Disc(radius), 7 => Box { low, name } } }
+
+    #[test]
+    fn fields_are_read_as_they_were_written_and_others_are_defaults() {
+        let pair = Pair { first: 3, flag: true, scratch: [1.0; 3] };
+        let mut bytes = Vec::new();
+        append(&mut bytes, pair);
+        assert_eq!(bytes, [1, 3, 0, 0, 0]);
+        let read: Vec<Pair> = read_all(&bytes).collect();
+        assert_eq!(read, [Pair { scratch: [0.0; 3], ..pair }]);
+    }
+
+    #[test]
+    fn variants_have_numbers_and_others_are_refused() {
+        let name = Some("µ".to_owned());
+        let all = vec![Shape::Point, Shape::Disc(2.0), Shape::Box { low: [1.0, -0.0], name }];
+        let mut to = Writer::default();
+        all.put(&mut to);
+        let bytes = to.into_bytes();
+        let mut from = Reader::without_head(&bytes);
+        assert_eq!(Vec::<Shape>::get(&mut from).unwrap(), all);
+        from.close().unwrap();
+        let error = Shape::get(&mut Reader::without_head(&[2])).unwrap_err();
+        assert_eq!(error.to_string(), "data is a damaged snapshot; there is no such shape");
+    }
+
+    #[test]
+    fn sparse_columns_keep_every_bit_and_cost_little() {
+        let mut column = vec![0.0f32; 100];
+        (column[3], column[99]) = (-0.0, f32::NAN);
+        for (values, size) in [(&column[..], 8 + 13 + 8), (&column[4..99], 8), (&[], 8)] {
+            let mut to = Writer::default();
+            to.put_sparse(values);
+            let bytes = to.into_bytes();
+            assert_eq!(bytes.len(), size);
+            let read: Vec<f32> = Reader::without_head(&bytes).get_sparse().unwrap();
+            let bits = |all: &[f32]| all.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
+            assert_eq!(bits(&read), bits(if size > 8 { values } else { &[] }));
+        }
+        let too_long = [255u8; 8];
+        assert!(Reader::without_head(&too_long).get_sparse::<f32>().is_err());
+    }
 }

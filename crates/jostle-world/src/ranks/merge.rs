@@ -18,11 +18,12 @@ use crate::world::edits::{renumber, retain_unless};
 use crate::world::merge::{joint_acceleration, union};
 use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
-use jostle_base::bytes::{Plain, append};
+use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
+use jostle_base::saved;
 use jostle_base::table::Table;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes};
@@ -49,29 +50,8 @@ struct Details {
     pushes: Vec<Push>,
 }
 
-/// Bytes of an island, a external acceleration, a flag and a count.
-const HEAD: usize = 24;
-
-impl Details {
-    fn put(&self, to: &mut Vec<u8>) {
-        let start = to.len();
-        to.resize(start + HEAD, 0);
-        (self.island as u64).store(&mut to[start..start + 8]);
-        self.external.store(&mut to[start + 8..start + 16]);
-        [u32::from(self.is_exhausted), self.pushes.len() as u32].store(&mut to[start + 16..]);
-        self.pushes.iter().for_each(|push| append(to, *push));
-    }
-
-    fn get(rest: &mut &[u8], rank: usize) -> Self {
-        let mut take = |count: usize| rest.split_off(..count).unwrap_or_default();
-        let head = take(HEAD);
-        let island = u64::load(&head[..8]) as Id;
-        let [is_exhausted, count] = <[u32; 2]>::load(&head[16..]);
-        let pushes = (0..count).map(|_| Push::load(take(Push::SIZE))).collect();
-        let external = Plain::load(&head[8..16]);
-        Self { island, rank, external, is_exhausted: is_exhausted > 0, pushes }
-    }
-}
+// The receiver knows whose message it is.
+saved! { struct Details { island, external, is_exhausted, pushes; rank } }
 
 /// Members from all ranks, in the order in which one process has them.
 struct Arrived {
@@ -193,7 +173,9 @@ fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
             world.external_accelerations().get(row as usize).copied().unwrap_or_default();
         let is_exhausted = world.scratch.exhausted.binary_search(&row).is_ok();
         let pushes = pushes.remove(&row).unwrap_or_default();
-        Details { island, rank, external, is_exhausted, pushes }.put(to);
+        let mut details = Writer::default();
+        Details { island, rank, external, is_exhausted, pushes }.put(&mut details);
+        to.extend(details.into_bytes());
     }
     to
 }
@@ -202,12 +184,12 @@ fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
 fn read_members(world: &World, from: &[Vec<u8>]) -> Result<Arrived> {
     let (mut starts, mut ends, mut details) = (Vec::new(), Vec::new(), Vec::new());
     for (rank, bytes) in from.iter().enumerate() {
-        let mut rest = &bytes[..];
-        while !rest.is_empty() {
+        let mut from = Reader::without_head(bytes);
+        while !from.is_empty() {
             for records in [&mut starts, &mut ends] {
-                records.extend_from_slice(rest.split_off(..RECORD).unwrap_or_default());
+                records.extend(from.get::<[u8; RECORD]>()?);
             }
-            details.push(Details::get(&mut rest, rank));
+            details.push(Details { rank, ..Saved::get(&mut from)? });
         }
     }
     let (starts, ids) = read_records(&starts);
