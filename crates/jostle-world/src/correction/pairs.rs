@@ -84,6 +84,8 @@ impl Block {
         let indices = &self.indices;
         let [ax, ay] = simd.gather(displacements.words(), indices, 0);
         let [bx, by] = simd.gather(displacements.words(), indices, 1);
+        // Displacements are small, so float32 has enough digits for them also far from the origin. They
+        // are added to the positions once, after all iterations.
         let x = simd.add(simd.load(&self.offset[0]), simd.sub(bx, ax));
         let y = simd.add(simd.load(&self.offset[1]), simd.sub(by, ay));
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));

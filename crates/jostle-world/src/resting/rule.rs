@@ -104,3 +104,55 @@ fn larger(a: f32, b: f32) -> f32 {
 fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Surfaces with a coefficient of restitution of 0.5 and a small gap, in a sub-step of 1 s in which
+    /// gravity gives a speed of 1.
+    fn near(normal_speed: f32) -> Surfaces {
+        Surfaces {
+            gap: 0.04,
+            size: 10.0,
+            curve: f32::INFINITY,
+            speed: normal_speed.abs(),
+            normal_speed,
+            restitution: 0.5,
+            rest_speeds: [0.5, 0.25],
+            speeds: [1.0, 0.0],
+            has_pushed: false,
+        }
+    }
+
+    #[test]
+    fn a_contact_rests_if_its_bounces_end_within_the_sub_step() {
+        // v² + 2 a d ≤ 0.5² for those that approach.
+        for (normal_speed, rests) in [(0.25, true), (0.26, false), (-0.4, true), (-0.42, false)] {
+            assert_eq!(near(normal_speed).start(1.0).rests, rests, "{normal_speed}");
+        }
+        let pushed = |normal_speed| Surfaces { has_pushed: true, ..near(normal_speed) };
+        assert!(pushed(0.9).start(1.0).rests && !pushed(1.0).start(1.0).rests);
+    }
+
+    #[test]
+    fn surfaces_that_touch_bounce_first_if_they_are_fast() {
+        let touching = |normal_speed| Surfaces { gap: 0.02, ..near(normal_speed) }.start(1.0);
+        let [slow, fast] = [touching(-0.5), touching(-2.0)];
+        assert!(slow.rests && !slow.is_fast && slow.bounce == -0.5);
+        assert!(fast.rests && fast.is_fast && fast.bounce == 1.0);
+        assert_eq!(fast.closing_speed, 0.02);
+    }
+
+    #[test]
+    fn a_contact_rests_only_while_its_normal_hardly_turns() {
+        let sliding = |speed| Surfaces { curve: 3.0, speed, ..near(0.0) }.start(1.0).rests;
+        assert!(sliding(1.5) && !sliding(1.6));
+    }
+
+    #[test]
+    fn nothing_rests_that_nothing_presses_together() {
+        assert!(!Surfaces { speeds: [0.0; 2], gap: 0.0, ..near(0.0) }.start(1.0).rests);
+        assert!(!Surfaces { rest_speeds: [0.0; 2], gap: 0.0, ..near(0.0) }.start(1.0).rests);
+    }
+}
