@@ -12,7 +12,7 @@ const MARGIN: usize = 1 << 20;
 /// Allocations of fewer bytes do not check the margin.
 const SMALL: usize = 1 << 10;
 
-/// Whether [`MARGIN`] bytes are free after an allocation for `len` values.
+/// Whether 1 MiB is free after an allocation for `len` values.
 pub fn check_margin<V>(len: usize) -> core::result::Result<(), TryReserveError> {
     // A small vector grows by doubling, so it passes here about once for each size. A check of the
     // margin costs a call of the system for a mebibyte, too much for each of them.

@@ -111,7 +111,7 @@ pub trait Packing: Copy {
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
     /// Writes the pairs of `first` with `start` + lane for every set bit, as [`Simd::pack`].
     fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
-    /// As [`Simd::pair_with`], the smaller number of each pair first; the others are in two halves.
+    /// As [`Packing::pair_with`], the smaller number of each pair first; the others are in two halves.
     fn ordered_pairs(
         self,
         first: u32,

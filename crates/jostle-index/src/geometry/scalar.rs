@@ -14,7 +14,7 @@ pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     const ONE: Self;
     /// Infinity.
     const INFINITY: Self;
-    /// The largest half size. Sums of four are finite, so [`overlap`] never subtracts
+    /// The largest half size. Sums of four are finite, so [`overlap`](super::overlap) never subtracts
     /// infinity from infinity.
     const MAX_SIZE: Self;
     /// The smallest radius above 0, and the largest: the square of the sum of two neither

@@ -219,7 +219,7 @@ impl<'a, T: Scalar> Join<'a, T> {
     }
 }
 
-/// Scratch of [`Join::run_in`], kept between calls.
+/// Scratch of a search for pairs, kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct JoinScratch {
     pub(super) pairs: PairScratch,
