@@ -5373,7 +5373,7 @@ class ThermalWalls:
     >>> world.forces = [hot, cold]
     >>> world.step(1 / 60, steps=10)
     >>> hot
-    ThermalWalls(4.0, [0], 0)
+    ThermalWalls(4.0, (0,), 0)
 
     A hot plate in the middle of the box:
 
