@@ -142,8 +142,8 @@ impl Block {
         *self = Self::default();
         let mut indices = [[particles.len() as u32; LANES]; 2];
         let mut last = (f32::NAN, [0.0; 2]);
-        for lane in 0..LANES {
-            let Some((pair, image, impulses)) = get(lane) else { continue };
+        let used = (0..LANES).filter_map(|lane| Some((lane, get(lane)?)));
+        for (lane, (pair, image, impulses)) in used {
             let [i, j] = pair.map(|index| index as usize);
             let radii = [particles.radii[i], particles.radii[j]];
             for (k, index) in [i, j].into_iter().enumerate() {
