@@ -100,8 +100,8 @@ impl PyWorld {
     /// `jostle.mpi`.
     fn _counts(&self, py: Python<'_>) -> PyResult<(usize, usize, usize)> {
         let world = &self.state(py)?.world;
-        let (own, all) = ranks::own_and_all(&world);
-        Ok((own, all, ranks::own_awake(&world)))
+        let (own, all) = ranks::own_and_all(world);
+        Ok((own, all, ranks::own_awake(world)))
     }
 
     /// The ids of the own particles, and the id that is given next. For `jostle.mpi`.

@@ -358,7 +358,8 @@ impl Walk<'_> {
         // The minimum image must be the same for all bodies of the group.
         let [w, h] = self.period.sides();
         let same = |k: usize, side: f32| offset[k].abs() + half[k] + width < 0.5 * side;
-        if !self.period.is_none() && !(same(0, w) && same(1, h)) {
+        let is_same = self.period.is_none() || same(0, w) && same(1, h);
+        if !is_same {
             return false;
         }
         let [x, y] = [0, 1].map(|k| (offset[k].abs() - half[k]).max(0.0));

@@ -132,8 +132,10 @@ impl World {
         self.apply_andersen(dt as f32, plan.threads);
         self.keep_wall_pushes();
         touches::add_up(&mut self.wall_impulses);
-        let touching = self.contacts.touching().map(|contact| contact.indices);
-        self.record_pairs(&touching.collect::<Vec<_>>());
+        if self.settings.track_events {
+            let touching = self.contacts.touching().map(|contact| contact.indices);
+            self.record_pairs(&touching.collect::<Vec<_>>());
+        }
         self.fall_asleep(plan, dt)?;
         self.forget_woken();
         self.record.end_step();
