@@ -172,7 +172,7 @@ fn external_accelerations_have_the_bits_of_one_process() {
     let accelerate = |world: &mut World| {
         ranks::rebalance_every(world, 3);
         let acceleration = |id: Id| if id % 3 > 0 { [0.0; 2] } else { [40.0 - id as f32, 9.0] };
-        let ids = ranks::own_ids(&world).0;
+        let ids = ranks::own_ids(world).0;
         world.set_accelerations(ids.into_iter().map(acceleration).collect()).unwrap();
     };
     let merging = WorldSettings { on_touch: OnTouch::Merge, ..settings };

@@ -111,9 +111,20 @@ influences! {
 
 /// All influences of a world. There is one list, in the order in which the caller has given them, so that what is read
 /// can be assigned back; what a part of the step reads are views of it, which cannot differ from it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Influences {
     list: Vec<Influence>,
+}
+
+impl Clone for Influences {
+    fn clone(&self) -> Self {
+        Self { list: self.list.clone() }
+    }
+
+    // Each step keeps a copy for undoing it. The derived function would allocate another list for it.
+    fn clone_from(&mut self, other: &Self) {
+        self.list.clone_from(&other.list);
+    }
 }
 
 saved! { struct Influences { list } }
