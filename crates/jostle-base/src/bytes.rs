@@ -409,9 +409,13 @@ impl<'a> Reader<'a> {
         if is_same && count > 0 { Ok(vec![self.get()?; count]) } else { self.get_all(count) }
     }
 
-    /// The next values that [`Writer::put_sparse`] has written.
-    pub fn get_sparse<P: Plain + Default>(&mut self) -> Result<Vec<P>> {
+    /// The next values that [`Writer::put_sparse`] has written, of a column of `len` rows or of none.
+    pub fn get_sparse<P: Plain + Default>(&mut self, len: usize) -> Result<Vec<P>> {
         let count = self.get_count()?;
+        // A row costs a bit here and many bytes in memory, so a damaged number must not decide.
+        if count != 0 && count != len {
+            return Err(damaged("the number of values of a column is wrong"));
+        }
         let bits = self.take(count.div_ceil(8))?;
         let differs = |row: usize| bits[row / 8] >> (row % 8) & 1 > 0;
         (0..count).map(|row| if differs(row) { self.get() } else { Ok(P::default()) }).collect()
@@ -523,11 +527,16 @@ mod tests {
             to.put_sparse(values);
             let bytes = to.into_bytes();
             assert_eq!(bytes.len(), size);
-            let read: Vec<f32> = Reader::without_head(&bytes).get_sparse().unwrap();
+            let read: Vec<f32> = Reader::without_head(&bytes).get_sparse(values.len()).unwrap();
             let bits = |all: &[f32]| all.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
             assert_eq!(bits(&read), bits(if size > 8 { values } else { &[] }));
         }
+        let many = [vec![0, 0, 1, 0, 0, 0, 0, 0], vec![0; 8192]].concat();
+        let read = |len| Reader::without_head(&many).get_sparse::<f32>(len);
+        assert_eq!(read(1 << 16), Ok(vec![0.0; 1 << 16]));
+        let error = read(100).unwrap_err().to_string();
+        assert_eq!(error, "data is a damaged snapshot; the number of values of a column is wrong");
         let too_long = [255u8; 8];
-        assert!(Reader::without_head(&too_long).get_sparse::<f32>().is_err());
+        assert!(Reader::without_head(&too_long).get_sparse::<f32>(usize::MAX).is_err());
     }
 }

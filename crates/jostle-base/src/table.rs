@@ -87,8 +87,9 @@ impl Visitor for PutColumns<'_> {
     }
 }
 
-/// Reads columns from files. Their lengths may be wrong, see [`check_lengths`]. A uniform column has that of the
-/// dense one before it: only the bytes of dense ones limit what a damaged file makes of it.
+/// Reads columns from files. Their lengths may be wrong, see [`check_lengths`]. A uniform or sparse column has that of
+/// the dense one before it, also of a table that contains it: the bytes of dense ones limit what a damaged file makes
+/// of it.
 #[derive(Debug)]
 pub struct GetColumns<'a, 'b> {
     from: &'a mut Reader<'b>,
@@ -107,7 +108,7 @@ impl VisitorMut for GetColumns<'_, '_> {
         *column = match about.kind {
             Kind::Dense => Saved::get(self.from)?,
             Kind::Uniform => self.from.get_uniform(self.len)?,
-            Kind::Sparse => self.from.get_sparse()?,
+            Kind::Sparse => self.from.get_sparse(self.len)?,
         };
         if about.kind == Kind::Dense {
             self.len = column.len();

@@ -1,12 +1,12 @@
 //! A scene: its name, and the world that it makes.
 
-use jostle_world::ranks;
 use std::ops::Range;
 
 use super::random::Random;
 use super::start::Start;
 use jostle_base::error::{Error, Result};
 use jostle_world::particles::Particles;
+use jostle_world::ranks;
 use jostle_world::world::{Defaults, World};
 
 /// Maximum number of particles of a scene.

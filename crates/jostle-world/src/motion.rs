@@ -64,7 +64,6 @@ pub fn wrapped(
     (rounded, self::residual(inside, rounded))
 }
 
-/// Two numbers in one word, so that they are read and written together.
 /// The motions of all particles, a column for each quantity, so that contacts gather from them
 /// without a copy. Contacts of one colour share no movable particle, so plain (relaxed) loads and
 /// stores are enough, and safe. A row more, of zeros, is for the lanes of blocks without a contact.

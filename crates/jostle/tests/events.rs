@@ -402,6 +402,15 @@ fn collisions_count_pairs_and_walls_of_all_substeps() {
     }
 }
 
+/// A paused game begins records and makes no steps. If each kept the one before, dropping them would overflow the stack.
+#[test]
+fn records_without_steps_keep_nothing() {
+    let mut world = world_of(crowd(5, 40.0, 11), tracked(WorldSettings::default()));
+    (0..300_000).for_each(|_| world.begin_record());
+    world.step(0.1, 1).expect("a step succeeds");
+    world.end_record().expect("few pairs touch");
+}
+
 /// A model of discs that pass through each other: pairs that touch in a flight without events.
 fn passing_by_brute_force(before: &Particles, dt: f64, settings: &WorldSettings) -> Pairs {
     const MOMENTS: usize = 4000;

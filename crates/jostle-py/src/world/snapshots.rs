@@ -1,9 +1,9 @@
 //! Snapshots, files and pickles.
 
-use jostle_world::ranks;
 use std::path::Path;
 
 use jostle_base::Error;
+use jostle_world::ranks;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyString, PyType};

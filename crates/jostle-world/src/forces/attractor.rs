@@ -1,6 +1,6 @@
 //! Attractors: a central force towards a point or a particle.
 
-use super::record::{Record, References, Renamed, record, refers_to_nothing};
+use super::record::{Found, Record, Renamed, record, refers_to_nothing};
 use super::{Bodies, Force, Reach, Scratch, check_number, check_pair};
 use crate::particles::FARTHEST;
 use jostle_base::error::Result;
@@ -47,9 +47,9 @@ saved! { enum Law("force law") { 0 => Harmonic, 1 => InverseSquare } }
 refers_to_nothing! { Law }
 
 impl Record for Pole {
-    fn list(&self, to: &mut References) {
+    fn list(&self, found: &mut Found<'_>) {
         if let Self::Particle(id) = self {
-            id.list(to);
+            id.list(found);
         }
     }
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {

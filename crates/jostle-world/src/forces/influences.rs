@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use super::record::{Record, References, Renamed};
+use super::record::{Found, Record, Reference, Renamed};
 use super::{
     Andersen, Attractor, Bodies, Flocking, Force, Gravitation, Motor, PairForce, Reach, Scratch,
     Springs, ThermalWalls, Thermostat, bounded,
@@ -65,12 +65,10 @@ macro_rules! influences {
                 }
             }
 
-            fn references(&self) -> References {
-                let mut references = References::default();
+            fn list(&self, found: &mut Found<'_>) {
                 match self {
-                    $(Self::$name(own) => own.list(&mut references),)*
+                    $(Self::$name(own) => own.list(found),)*
                 }
-                references
             }
 
             fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
@@ -194,9 +192,9 @@ impl Influences {
     /// Whether any force or spring refers to particles, whose rows are then needed in the sub-steps. Motors only
     /// set velocities before a step.
     pub fn act_by_rows(&self) -> bool {
-        let mut references = References::default();
-        self.forces().for_each(|force| force.list(&mut references));
-        !references.ids.is_empty() || self.springs().any(|springs| !springs.0.is_empty())
+        let mut any = self.springs().any(|springs| !springs.0.is_empty());
+        self.forces().for_each(|force| force.list(&mut |_| any = true));
+        any
     }
 
     /// Renumbers particles. Attractors and springs of a removed particle are removed; motors no longer drive it.
@@ -241,7 +239,15 @@ impl Influences {
         for (index, influence) in self.list.iter().enumerate() {
             influence.validate()?;
             let refuse = |value: &str, rule: &str| Err(Error::at("forces", index, value, rule));
-            if let Some(id) = influence.references().ids.into_iter().find(|&id| !exists(id)) {
+            let mut unknown = None;
+            influence.list(&mut |reference| {
+                if let Reference::Particle(id) = reference
+                    && !exists(id)
+                {
+                    unknown.get_or_insert(id);
+                }
+            });
+            if let Some(id) = unknown {
                 return refuse(&format!("a force on particle {id}"), "no particle has this id");
             }
             match influence.role() {
@@ -310,9 +316,15 @@ impl Influences {
     /// Refuses influences that refer to walls which are not among the first `count`.
     pub fn check_walls(&self, count: usize) -> Result<()> {
         for (index, influence) in self.list.iter().enumerate() {
-            if let Some(wall) =
-                influence.references().walls.iter().find(|&&wall| wall as usize >= count)
-            {
+            let mut unknown = None;
+            influence.list(&mut |reference| {
+                if let Reference::Wall(wall) = reference
+                    && wall as usize >= count
+                {
+                    unknown.get_or_insert(wall);
+                }
+            });
+            if let Some(wall) = unknown {
                 let value = format!("{} of wall {wall}", influence.noun());
                 let rule = format!("there are {count} walls");
                 return Err(Error::at("forces", index, value, &rule));

@@ -8,20 +8,24 @@ use std::collections::HashSet;
 
 use jostle_base::ids::Id;
 
-/// Particles, and indices of walls.
-#[derive(Debug, Default)]
-pub struct References {
-    pub ids: Vec<Id>,
-    pub walls: Vec<u32>,
+/// What a record refers to.
+#[derive(Clone, Copy, Debug)]
+pub enum Reference {
+    Particle(Id),
+    /// The index of a wall.
+    Wall(u32),
 }
+
+/// Called with each reference. A step asks for them, so they are not collected.
+pub type Found<'a> = dyn FnMut(Reference) + 'a;
 
 /// The new id of a particle; None if it was removed.
 pub type Renamed<'a> = dyn Fn(Id) -> Option<Id> + 'a;
 
 /// A struct of [`record!`], or one of its fields.
 pub trait Record {
-    /// Lists the particles and walls to which it refers.
-    fn list(&self, to: &mut References);
+    /// Calls `found` with the particles and walls to which it refers.
+    fn list(&self, found: &mut Found<'_>);
     /// Renumbers particles. Returns false if it cannot do without those that were removed.
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool;
 }
@@ -41,8 +45,8 @@ macro_rules! record {
         jostle_base::saved! { struct $name { $($field),* } }
 
         impl $crate::forces::record::Record for $name {
-            fn list(&self, to: &mut $crate::forces::record::References) {
-                $($crate::forces::record::Record::list(&self.$field, to);)*
+            fn list(&self, found: &mut $crate::forces::record::Found<'_>) {
+                $($crate::forces::record::Record::list(&self.$field, found);)*
             }
             fn renumber(&mut self, renamed: &$crate::forces::record::Renamed<'_>) -> bool {
                 true $(&& $crate::forces::record::Record::renumber(&mut self.$field, renamed))*
@@ -55,7 +59,7 @@ pub(crate) use record;
 macro_rules! refers_to_nothing {
     ($($type:ty),*) => {$(
         impl $crate::forces::record::Record for $type {
-            fn list(&self, _: &mut $crate::forces::record::References) {}
+            fn list(&self, _: &mut $crate::forces::record::Found<'_>) {}
             fn renumber(&mut self, _: &$crate::forces::record::Renamed<'_>) -> bool {
                 true
             }
@@ -68,8 +72,8 @@ refers_to_nothing! { u32, f32, [f32; 2], [bool; 4] }
 
 /// A particle, without which there is nothing.
 impl Record for Id {
-    fn list(&self, to: &mut References) {
-        to.ids.push(*self);
+    fn list(&self, found: &mut Found<'_>) {
+        found(Reference::Particle(*self));
     }
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
         let new = renamed(*self);
@@ -80,8 +84,8 @@ impl Record for Id {
 
 /// Two different particles: if they merge, as if one was removed, there is nothing between them.
 impl Record for [Id; 2] {
-    fn list(&self, to: &mut References) {
-        to.ids.extend(self);
+    fn list(&self, found: &mut Found<'_>) {
+        self.iter().for_each(|&id| found(Reference::Particle(id)));
     }
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
         self.iter_mut().all(|id| id.renumber(renamed)) && self[0] != self[1]
@@ -90,8 +94,8 @@ impl Record for [Id; 2] {
 
 /// Particles, of which removed ones are left out; merged ones are listed once.
 impl Record for Vec<Id> {
-    fn list(&self, to: &mut References) {
-        to.ids.extend(self);
+    fn list(&self, found: &mut Found<'_>) {
+        self.iter().for_each(|&id| found(Reference::Particle(id)));
     }
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
         let mut known = HashSet::new();
@@ -102,8 +106,8 @@ impl Record for Vec<Id> {
 
 /// The indices of walls.
 impl Record for Vec<u32> {
-    fn list(&self, to: &mut References) {
-        to.walls.extend(self);
+    fn list(&self, found: &mut Found<'_>) {
+        self.iter().for_each(|&wall| found(Reference::Wall(wall)));
     }
     fn renumber(&mut self, _: &Renamed<'_>) -> bool {
         true

@@ -1,15 +1,15 @@
 //! Serialization of what the solver keeps of particles from step to step, for a distributed world: the impulses for
 //! warm starting, how each particle has moved, and which sleep.
 
-use super::domain::{domain_of, domain_of_mut};
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 
+use super::domain::{domain_of, domain_of_mut};
 use super::islands::SleepingContact;
 use crate::contacts::Contact;
 use crate::world::World;
 use crate::world::asleep::Sleepers;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use crate::world::bodies::discs::Persistent;
 use crate::world::touches::{Touch, WallImpulse, touch_of};
 use jostle_base::bytes::{Plain, Reader, append, damaged, read_all};
@@ -200,7 +200,7 @@ pub fn own_touches_asleep(world: &World) -> Vec<Touch> {
     touched.map(|of| touch_of(&of.contact, of.ids)).collect()
 }
 
-/// Takes what [`World::own_kept`] returned for the particles of this world, in any order. Returns an
+/// Takes what [`own_kept`] returned for the particles of a world, in any order. Returns an
 /// error if it is of other particles or walls.
 pub fn take_kept(world: &mut World, bytes: Parts<'_>) -> Result<()> {
     let ids: Vec<Id> = match domain_of(world) {

@@ -31,7 +31,7 @@ pub struct OwnParticles {
     pub rebalances: u64,
 }
 
-/// Makes this world a part of a larger one, of which each rank has a part. All ranks have the same
+/// Makes a world a part of a larger one, of which each rank has a part. All ranks have the same
 /// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
 pub fn distribute(
     world: &mut World,
@@ -155,7 +155,7 @@ pub fn own_records(world: &World) -> Vec<u8> {
     bytes
 }
 
-/// A world with the particles in some rows of this one, and its settings, walls, forces and time.
+/// A world with the particles in some rows of another, and the settings, walls, forces and time.
 pub fn part(world: &World, rows: Range<usize>) -> Result<World> {
     of_records(world, &records_of(world, rows))
 }
@@ -166,7 +166,7 @@ fn records_of(world: &World, rows: Range<usize>) -> Vec<u8> {
     bytes
 }
 
-/// A world with the settings, walls, forces, attachment and time of this one, and the particles of some records.
+/// A world with the settings, walls, forces, attachment and time of another, and the particles of some records.
 pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
     let (particles, _) = read_records(bytes);
     let mut world = World::new(particles, like.settings)?;

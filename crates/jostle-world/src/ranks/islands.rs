@@ -4,14 +4,14 @@
 //! with the groups that the ghosts have on their own ranks. So all ranks join the same groups, and decide
 //! the same.
 
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::collections::{BTreeMap, HashMap};
 
 use super::domain::Domain;
 use crate::contacts::Contact;
 use crate::halo::Halo;
 use crate::world::World;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use crate::world::sleeping::{IslandMotion, NONE, Scratch};
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;

@@ -4,15 +4,15 @@
 //! that other ranks may have a part of, and join them. The members of an island go to the rank of the
 //! smallest id, which merges them in the order in which one process has them.
 
-use super::domain::{domain_of, domain_of_mut};
-use super::reductions::sum_up;
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 
 use super::carried::Push;
+use super::domain::{domain_of, domain_of_mut};
+use super::reductions::sum_up;
 use super::{RECORD, put_record, read_records};
 use crate::particles::Particles;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
 use crate::world::edits::{renumber, retain_unless};
 use crate::world::merge::{joint_acceleration, union};

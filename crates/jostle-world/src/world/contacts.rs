@@ -1,8 +1,6 @@
 //! Makes contacts of candidate pairs: the lists of neighbours for the events, and the contacts that are coloured
 //! and solved in the sub-steps.
 
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::cell::Cell;
 
 use super::bounds::{FreeDisplacements, reach};
@@ -15,6 +13,8 @@ use crate::motion::exact;
 use crate::particles::Particles;
 use crate::tolerance::{gap, size_of};
 use crate::trajectory::vector;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use jostle_base::error::Result;
 use jostle_base::interrupt;
 use jostle_base::parallel;

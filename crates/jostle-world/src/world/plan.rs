@@ -1,9 +1,11 @@
 //! The plan of a part of a step: what its stages do, decided once.
 //!
 //! The decisions follow from the settings, the forces and what the particles of all processes require, never from
-//! a search. So they are the same on every process, with brute force and with the tree, and for any number of
-//! threads. `World::step_once` makes the plan after it has computed the forces, because these say how springs are
-//! solved, and hands it to the stages.
+//! a search. So they are the same on every process, with brute force and with the tree. Two fields are those of one
+//! process, and change no result: `threads`, and `is_bounded`, which allows events to skip a test. Stiff springs decide
+//! whether contacts rest; they are a property of one process, because distributed worlds have no springs.
+//! `World::step_once` makes the plan after it has computed the forces, because these say how springs are solved, and
+//! hands it to the stages.
 
 use super::{DEFAULT_SUBSTEPS, World};
 use jostle_base::parallel;

@@ -133,7 +133,8 @@ impl Record {
 
     /// Begins a new record with the pairs at the end of this one whose particles are in the world.
     fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) {
-        let old = std::mem::take(self);
+        // Of several records without a step, only the last may be as before.
+        let old = Self { previous: None, ..std::mem::take(self) };
         *self = Self {
             before: union(&old.at_end, &old.gone),
             at_end: old.at_end.iter().copied().filter(is_there).collect(),

@@ -4,13 +4,13 @@
 //! undoes and repeats it if it has reached sleeping particles, or if processes do not agree. `step_once` is one
 //! attempt, and has the order of the stages.
 
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::cmp::Reverse;
 
 use super::plan::Plan;
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::events::MAX_COLLISIONS;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
 

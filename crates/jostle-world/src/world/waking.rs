@@ -6,13 +6,13 @@
 //! follows from the bounds with which a part of a step begins, and from the histories of
 //! the particles that leave them.
 
-use crate::world::bodies::Bodies;
 use std::cmp::Ordering;
 
 use super::World;
 use super::bodies::discs::Discs;
 use super::bounds::{FreeDisplacements, rounding};
 use crate::contacts::Contact;
+use crate::world::bodies::Bodies;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::table::Table;

@@ -16,7 +16,7 @@ use std::ops::Range;
 
 pub use held::{Place, Push, Pushes, Surroundings};
 
-use super::record::{Record, References, Renamed, record};
+use super::record::{Found, Record, Renamed, record};
 use super::{ASLEEP, Bodies, check_number};
 use crate::container::Container;
 use crate::flow::Kick;
@@ -81,8 +81,8 @@ impl Saved for Springs {
 
 /// Springs of removed particles, and springs whose ends have merged, are removed.
 impl Record for Springs {
-    fn list(&self, to: &mut References) {
-        self.0.iter().for_each(|spring| spring.list(to));
+    fn list(&self, found: &mut Found<'_>) {
+        self.0.iter().for_each(|spring| spring.list(found));
     }
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
         self.0.retain_mut(|spring| spring.renumber(renamed));

@@ -5,7 +5,7 @@ use jostle_base::error::{Error, Result};
 use jostle_base::saved;
 use jostle_index::shapes::Filter;
 
-/// What callers of [`World::add`] take for columns that they leave out: the last number that was
+/// What callers of [`World::add`](crate::World::add) take for columns that they leave out: the last number that was
 /// given for all particles. The world only keeps it, in snapshots too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Defaults {

@@ -11,7 +11,7 @@ use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_base::saved;
 
-/// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
+/// Maximum length of the array that [`Bodies::renumbered`] returns; it takes 2 GiB.
 const MAX_RENUMBERED: usize = 1 << 27;
 
 /// The ids of all rows, ascending.

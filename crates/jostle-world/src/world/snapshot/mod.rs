@@ -16,7 +16,7 @@ use jostle_base::saved;
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 6;
+const VERSION: u32 = 9;
 
 saved! {
     struct World {
