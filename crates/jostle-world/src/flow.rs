@@ -52,6 +52,8 @@ impl Flow {
     pub fn new(h: f64, gravity: [f32; 2], drag: f32) -> Self {
         let gravity = gravity.map(f64::from);
         let x = f64::from(drag) * h;
+        // Without damping the formulas below would divide by 0. Their limit is the leapfrog method
+        // with halves of the kick.
         if x == 0.0 {
             let (decay, correction, kicks) = (1.0, [0.0; 2], [0.5 * h; 2]);
             return Self { seconds: h, duration: h, gravity, decay, correction, kicks };
@@ -60,8 +62,14 @@ impl Flow {
         // τ/h and (h − τ)/(γ h²).
         let (share, fall) = (lost / x, remainder(x, lost));
         let (duration, decay) = (h * share, 1.0 - lost);
+        // The flight lasts τ, and its displacement by gravity must be g (h − τ)/γ. With the
+        // constant acceleration a it is a τ²/2.
         let acceleration = gravity.map(|g| g * (2.0 * fall / (share * share)));
+        // The velocity must end as v₀ exp(−γ h) + g τ. The flight and the damping give (v₀ + a τ)
+        // exp(−γ h); this is the rest.
         let correction = [0, 1].map(|k| (gravity[k] - acceleration[k] * decay) * duration);
+        // A constant force is divided so that position and velocity of a free particle are exact.
+        // The kick before the flight alone moves the particle, so it follows from the displacement.
         let before = h * fall / share;
         let kicks = [before, duration - before * decay];
         Self { seconds: h, duration, gravity: acceleration, decay, correction, kicks }
@@ -75,19 +83,27 @@ const MOST_HALVINGS: i32 = 12;
 fn lost_share(x: f64) -> f64 {
     let mut halvings = 0;
     let mut y = x;
+    // exp of the system's library has other last bits on other machines. Halving the exponent and a
+    // series need only sums and products, which IEEE 754 defines to the bit.
     while y > 0.25 && halvings < MOST_HALVINGS {
         y *= 0.5;
         halvings += 1;
     }
     if y > 0.25 {
+        // The exponent is above 0.25 · 2¹² = 1024 here, and exp(−1024) is below the smallest number
+        // of float64.
         return 1.0;
     }
     let (mut sum, mut term) = (0.0, 1.0);
+    // The series of 1 − exp(−y) itself, because 1 minus a computed exp(−y) loses all digits for
+    // small y. With y ≤ 1/4 the first term left out is below 10⁻³⁰.
     for k in 1..20 {
         term *= -y / f64::from(k);
         sum -= term;
     }
     for _ in 0..halvings {
+        // 1 − exp(−2y) = s (2 − s) with s = 1 − exp(−y). Both factors are positive, so there is no
+        // cancellation.
         sum = sum * (2.0 - sum);
     }
     sum
@@ -96,6 +112,8 @@ fn lost_share(x: f64) -> f64 {
 /// (x − (1 − exp(−x)))/x², where `lost` is 1 − exp(−x).
 fn remainder(x: f64, lost: f64) -> f64 {
     if x > 0.5 {
+        // For x above 1/2 the difference x − lost is at least a fifth of x and loses few bits.
+        // Below, the series has no difference of nearly equal numbers.
         return (x - lost) / (x * x);
     }
     let (mut sum, mut term) = (0.0, 0.5);

@@ -34,12 +34,16 @@ impl Motion {
 /// A position from its float32 part and its residual.
 #[inline(always)]
 pub fn exact(position: [f32; 2], residual: [f32; 2]) -> [f64; 2] {
+    // Exact: two float32 numbers, of which the second is below the rounding of the first, have at
+    // most 48 bits together, and float64 has 53.
     [0, 1].map(|k| f64::from(position[k]) + f64::from(residual[k]))
 }
 
 /// What rounding to `rounded` removed from a position.
 #[inline(always)]
 pub fn residual(position: [f64; 2], rounded: [f32; 2]) -> [f32; 2] {
+    // The difference is exact in float64, because both are nearly equal (P. H. Sterbenz, 1974).
+    // Only the conversion to float32 rounds, relative to the residual.
     [0, 1].map(|k| (position[k] - f64::from(rounded[k])) as f32)
 }
 
@@ -53,6 +57,8 @@ pub fn wrapped(
     if period.is_none() {
         return (position, residual);
     }
+    // Wrapped in float64 with the residual. Wrapped in float32 the position would change by a
+    // rounding each time a disc crosses the seam.
     let mut inside = period.exact().wrap(exact(position, residual));
     let mut rounded = inside.map(|v| v as f32);
     for (k, &side) in period.sides().iter().enumerate() {
@@ -83,9 +89,12 @@ impl Motions {
     /// Resizes to `len` motions; their values are unspecified. Displacements are 0, if any are kept.
     pub fn resize(&mut self, len: usize, keeps_displacements: bool) {
         let Self { positions, residuals, velocities, displacements } = self;
+        // The spare row lets blocks gather all sixteen lanes without a test: unused lanes read
+        // zeros.
         for column in [positions, residuals, velocities] {
             column.resize_with_spare(len);
         }
+        // First to 0, because `resize` gives a value only to new vectors.
         displacements.resize(0);
         displacements.resize(if keeps_displacements { len } else { 0 });
     }
@@ -148,6 +157,8 @@ impl Motions {
     /// Adds a displacement to its position.
     #[inline(always)]
     pub fn displace(&self, index: u32, by: [f32; 2]) {
+        // The sum is rounded once from float64. Added to the float32 position, a displacement below
+        // its spacing would be lost.
         let old = self.exact(index);
         self.place_exactly(index, [0, 1].map(|k| old[k] + f64::from(by[k])));
     }
@@ -155,6 +166,8 @@ impl Motions {
     /// Replaces position and velocity; the displacement is that from the `old` position.
     #[inline(always)]
     pub fn advance(&self, index: u32, old: [f64; 2], position: [f64; 2], velocity: [f64; 2]) {
+        // The displacement is that of the flight and not the difference of two wrapped positions,
+        // which may be on opposite sides of a torus.
         if !self.displacements.words().is_empty() {
             self.displacements.set(index, [0, 1].map(|k| (position[k] - old[k]) as f32));
         }
@@ -168,7 +181,8 @@ impl Motions {
     }
 }
 
-/// Two numbers of each particle, as its velocity, in an array of their own.
+/// Two numbers of each particle, as its velocity, in an array of their own. Both are in one word, so
+/// that they are read and written together.
 #[derive(Debug, Default)]
 pub struct Vectors(Vec<AtomicU64>);
 
@@ -187,6 +201,8 @@ impl Vectors {
     /// The vector of the particle at `index`.
     #[inline(always)]
     pub fn get(&self, index: u32) -> [f32; 2] {
+        // One load for both numbers: a gather of x and y separately takes twice as many, and memory
+        // is what the kernels wait for.
         jostle_simd::numbers_at(&self.0, index)
     }
 
@@ -217,6 +233,7 @@ impl Spins {
     pub fn fill(&mut self, spins: &[Spin]) {
         self.0.resize_with(spins.len(), Default::default);
         for (turning, spin) in self.0.iter_mut().zip(spins) {
+            // Exclusive access here, so no atomic operation is needed.
             (*turning.0.get_mut(), *turning.1.get_mut()) =
                 (spin.velocity.to_bits(), spin.angle.to_bits());
         }
@@ -230,6 +247,10 @@ impl Spins {
     /// The angular velocity of the disc at `index`.
     #[inline(always)]
     pub fn velocity(&self, index: u32) -> f32 {
+        // Relaxed, here and below: each parallel region writes a disc on one thread at most, and
+        // other threads do not read it in that region. The end of a region orders its stores before
+        // later loads. Atomic types make this safe without `unsafe`; the processor executes plain
+        // loads and stores.
         f32::from_bits(self.0[index as usize].0.load(Ordering::Relaxed))
     }
 
@@ -248,6 +269,8 @@ impl Spins {
     /// Turns the disc at `index` by an angle.
     #[inline(always)]
     pub fn turn(&self, index: u32, by: f64) {
+        // A load and a store, and not one atomic addition: only one thread turns a disc. Angles are
+        // float64, because a disc may turn many times.
         let angle = self.angle(index) + by;
         self.0[index as usize].1.store(angle.to_bits(), Ordering::Relaxed);
     }
@@ -267,6 +290,7 @@ impl Scalars {
     #[inline(always)]
     pub fn get(&self, index: u32) -> f32 {
         let word = self.0.get(index as usize);
+        // Relaxed for the same reason as in `Spins`.
         word.map_or(0.0, |word| f32::from_bits(word.load(Ordering::Relaxed) as u32))
     }
 
@@ -274,6 +298,8 @@ impl Scalars {
     #[inline(always)]
     pub fn set(&self, index: u32, number: f32) {
         if let Some(to) = self.0.get(index as usize) {
+            // The word has 64 bits, as those of `Vectors`, so that the same gather reads both. See
+            // `Spins` for the ordering.
             to.store(u64::from(number.to_bits()), Ordering::Relaxed);
         }
     }

@@ -18,16 +18,22 @@ const MOST_ITERATIONS: usize = 64;
 /// halved, the earlier half first, until their coefficients change sign once. Then they have one
 /// root, which Newton's method finds, with bisection where it would leave the interval.
 pub fn first_root(coefficients: [f64; TERMS], span: f64) -> Option<f64> {
+    // The interval is scaled to [0, 1], where the conversion to the Bernstein basis has constant
+    // factors. Scaling by products keeps the order of operations fixed.
     let mut power = coefficients;
     let mut scale = 1.0;
     for term in &mut power {
         *term *= scale;
         scale *= span;
     }
+    // The surfaces touch or overlap at the start. Callers treat this case first where it means
+    // something else.
     if power[0] <= 0.0 {
         return Some(0.0);
     }
     // Intervals still to be searched, the earliest on top; at most one a level.
+    // A stack of fixed size instead of recursion: no allocation, and the depth is bounded by the
+    // number of halvings.
     let mut stack = [(0.0, 1.0, [0.0; TERMS]); MOST_HALVINGS as usize + 2];
     stack[0].2 = bernstein(power);
     let mut open = 1;
@@ -35,6 +41,9 @@ pub fn first_root(coefficients: [f64; TERMS], span: f64) -> Option<f64> {
     while open > 0 {
         open -= 1;
         let (low, high, terms) = stack[open];
+        // The polynomial is a mean of its Bernstein coefficients with positive weights. If all are
+        // positive, it has no root here. This is what makes the search complete: no root is
+        // skipped, unlike with Newton's method alone.
         if terms.iter().all(|&term| term > 0.0) {
             continue;
         }
@@ -42,12 +51,16 @@ pub fn first_root(coefficients: [f64; TERMS], span: f64) -> Option<f64> {
         if high - low <= shortest || terms[0].is_nan() || terms[0] <= 0.0 {
             return Some(low * span);
         }
+        // The number of roots is at most the number of changes of sign, and differs from it by an
+        // even number (Descartes' rule in this basis). One change means one root.
         let changes = terms.windows(2).filter(|two| (two[0] > 0.0) != (two[1] > 0.0)).count();
         if changes == 1 {
             return Some(bracketed(power, low, high) * span);
         }
         let (first, second) = halved(terms);
         let middle = 0.5 * (low + high);
+        // The later half is pushed first, so that the earlier one is searched next. The first root
+        // found is the first one.
         stack[open] = (middle, high, second);
         stack[open + 1] = (low, middle, first);
         open += 2;
@@ -63,6 +76,8 @@ fn bernstein([a, b, c, d, e]: [f64; TERMS]) -> [f64; TERMS] {
 /// The coefficients on both halves of the interval (de Casteljau).
 fn halved(terms: [f64; TERMS]) -> ([f64; TERMS], [f64; TERMS]) {
     let (mut first, mut second) = (terms, terms);
+    // Means of two numbers only, so the rounding error stays below that of the coefficients, at any
+    // depth.
     for (level, end) in first.iter_mut().enumerate().skip(1) {
         for k in 0..TERMS - level {
             second[k] = 0.5 * (second[k] + second[k + 1]);
@@ -74,13 +89,19 @@ fn halved(terms: [f64; TERMS]) -> ([f64; TERMS], [f64; TERMS]) {
 
 /// The only root between `low`, where the polynomial is positive, and `high`.
 fn bracketed(power: [f64; TERMS], mut low: f64, mut high: f64) -> f64 {
+    // Newton's method from the original coefficients, not from those that were halved many times:
+    // the root has the accuracy of the polynomial.
     let mut t = 0.5 * (low + high);
     for _ in 0..MOST_ITERATIONS {
         let [mut value, mut slope] = [power[TERMS - 1], 0.0];
+        // Horner's scheme for value and slope, as separate products and sums: a fused multiply-add
+        // would give other bits on other processors.
         for k in (0..TERMS - 1).rev() {
             slope = slope * t + value;
             value = value * t + power[k];
         }
+        // The bracket shrinks in each iteration. So the method ends also where the slope is 0 or
+        // the tangent points outside.
         if value > 0.0 {
             low = t;
         } else {
@@ -88,6 +109,7 @@ fn bracketed(power: [f64; TERMS], mut low: f64, mut high: f64) -> f64 {
         }
         let next = t - value / slope;
         let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        // No number of float64 lies between any more.
         if next == t || next == low || next == high {
             break;
         }

@@ -41,6 +41,8 @@ impl Segment {
     /// Centre and velocity at `time`.
     #[inline(always)]
     pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
+        // All positions of a segment come from its beginning. A position that is moved from event
+        // to event by others' events would collect a rounding at each.
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
         [self.position_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
@@ -67,7 +69,7 @@ impl Segment {
 pub enum Kind {
     /// They bounce.
     Bounce,
-    /// Their bounces would be too low to be resolved, or would all end before the window ends, so
+    /// Their bounces would be too low to be resolved, or would all end before the flight ends, so
     /// they stay together.
     Hold,
 }
@@ -109,6 +111,9 @@ impl Limits {
     /// The limits for surfaces with a gap where the motion begins, negative if they overlap.
     #[inline(always)]
     pub fn of_gap(&self, gap: f64) -> Self {
+        // The gap at the start decides how much approach counts as nothing. Surfaces that touch
+        // must react to the slightest approach, or they would sink into each other in many sub-
+        // steps.
         let tolerance = if gap > self.rounding {
             self.tolerance
         } else if gap < -self.deep {
@@ -123,15 +128,22 @@ impl Limits {
     /// towards each other with `pull`; None if nothing does.
     #[inline(always)]
     pub fn kind(&self, speed: f64, pull: f64, time: f64) -> Option<Kind> {
+        // To the end of the flight, because bounces after it belong to the next sub-step.
         let left = self.end - time;
         if pull > 0.0 {
             // A bounce with this speed is as high as speed² / (2 · pull).
+            // Such a bounce would be lost in the rounding of the position, and the next one would
+            // be predicted for the same moment.
             let is_low = speed * speed <= 2.0 * pull * self.rounding;
+            // All bounces together are a geometric series with the sum 2 e u/(a (1 − e)), where u
+            // is the speed of the impact. Infinitely many events in finite time end here as one.
             let ends = speed >= 0.0 && speed * self.bounces <= pull * left;
             if is_low || ends {
                 return Some(Kind::Hold);
             }
         }
+        // The product is the overlap at the end of the flight if nothing happens. A limit for the
+        // speed would depend on the length of the sub-step.
         (speed * left > self.tolerance).then_some(Kind::Bounce)
     }
 }
@@ -143,6 +155,7 @@ impl Limits {
 /// at most u/e.
 pub fn rest_speeds(restitution: f64) -> [f64; 2] {
     let restitution = restitution_at_rest(restitution);
+    // With u ≤ a h (1 − e)/2 after the bounce, and u/e before it; in units of a h.
     let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MAX_REST_SPEED);
     [approach, restitution * approach]
 }
@@ -196,8 +209,11 @@ impl Relative {
     /// Exchanging the two changes signs only, so the time of impact has the same bits.
     #[inline(always)]
     pub fn of(first: &Segment, second: &Segment, image: Vector, gravity: Vector) -> Self {
+        // Both are moved to the later start, and only then subtracted. The difference of two nearly
+        // equal positions is small and exact, so what follows has its relative accuracy.
         let start = first.time.max(second.time);
         let ([p, v], [q, w]) = (first.at(start, gravity), second.at(start, gravity));
+        // Gravity cancels exactly if both fall, so that the quadratic case is recognised by a 0.
         let sign = f64::from(i8::from(second.falls) - i8::from(first.falls));
         Self {
             start,
@@ -226,6 +242,8 @@ impl Relative {
         let span = (until - self.start).max(0.0);
         let (gap, rate) = (dot(q, q) - contact_distance * contact_distance, dot(q, w));
         if a != [0.0; 2] {
+            // The square of the distance, |q + w t + a t²/2|² minus that of the sum of radii, in
+            // powers of t.
             let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
             return first_root([gap, 2.0 * rate, rest[0], rest[1], rest[2]], span).is_some();
         }
@@ -251,12 +269,17 @@ impl Relative {
     pub fn meeting(&self, contact_distance: f64, until: f64) -> Option<Meeting> {
         let (q, w) = (self.offset, self.velocity);
         let approach = dot(q, w);
+        // The usual formula for a quadratic equation subtracts numbers of the size of the
+        // displacement squared. The root of small discs on a long way would have no digits left.
+        // From the closest approach, only lengths of the size of the radii are subtracted.
         if approach >= 0.0 {
             return None;
         }
         let (square, qq) = (contact_distance * contact_distance, dot(q, q));
         if qq <= square {
             let length = qq.sqrt();
+            // Surfaces that overlap and approach have an impact at once. An overlap is left over
+            // from rounding or from position correction, and must not become deeper.
             let speed = -approach / length.max(f64::MIN_POSITIVE);
             let gap = length - contact_distance;
             return (self.start <= until).then_some(Meeting { time: self.start, gap, speed });
@@ -264,6 +287,8 @@ impl Relative {
         let ww = dot(w, w);
         let span = until - self.start;
         // Still approaching then, and still apart.
+        // This saves the square root and the division for nearly all pairs that do not meet in
+        // time.
         if -approach > ww * span && qq + (2.0 * approach + ww * span) * span > square {
             return None;
         }
@@ -273,6 +298,7 @@ impl Relative {
         if free <= 0.0 {
             return None;
         }
+        // The time between touching and the closest approach.
         let back = (free / ww).sqrt();
         let time = self.start + (closest - back).max(0.0);
         // The square of the gap is missing, which does not matter where the gap is small.
@@ -308,6 +334,7 @@ impl Relative {
         let [q, w, a] = [self.offset, self.velocity, self.acceleration];
         let offset = vector(|k| q[k] + (w[k] + 0.5 * a[k] * wait) * wait);
         let velocity = vector(|k| w[k] + a[k] * wait);
+        // The maximum keeps the quotient finite if the centres coincide.
         let length = dot(offset, offset).sqrt().max(f64::MIN_POSITIVE);
         let speed = -dot(offset, velocity) / length;
         limits.kind(speed, -dot(offset, a) / length, self.start + wait)
@@ -319,6 +346,8 @@ impl Relative {
 pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits) -> Option<Impact> {
     let span = limits.until - start;
     // Far from the wall all the time.
+    // A bound without a root. Nearly all discs are farther from each wall than they get in the sub-
+    // step.
     let lowest = gap + speed.min(0.0) * span - 0.5 * pull.max(0.0) * span * span;
     if lowest > 0.0 {
         return None;
@@ -331,6 +360,8 @@ pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits)
         if pull <= 0.0 || speed <= 0.0 {
             return None;
         }
+        // The disc touches, moves away and falls back: the second root of a parabola whose first
+        // root is 0.
         2.0 * speed / pull
     } else if pull == 0.0 {
         if speed >= 0.0 {
@@ -367,6 +398,8 @@ pub fn round_impact(
     limits: &Limits,
 ) -> Option<Impact> {
     let span = limits.until - start;
+    // The signs are those of a point that must stay inside, so the polynomial is positive before
+    // the impact here, too, and `first_root` needs no second version.
     let inside = contact_distance * contact_distance - dot(q, q);
     let limits = limits.of_gap(contact_distance - dot(q, q).sqrt());
     let kind_at = |wait: f64| {

@@ -19,7 +19,11 @@ const LEAST_RELAXATION: f32 = 1.7;
 
 /// The relaxation factor of a contact of particles with these inverse masses.
 fn relaxation([a, b]: [f32; 2]) -> f32 {
+    // Between the two factors linearly in the ratio of inverse masses. With 1.5 instead of 1.7,
+    // piles with masses 100:1 overlap by 2.3 instead of 1.4 % (`docs/benchmarks-notes.md`).
     let (small, large) = (a.min(b), a.max(b));
+    // A particle that does not move behaves like one of equal mass that is held, and not like a
+    // very heavy one: no velocity of it can become too large.
     let ratio = if small == 0.0 { 1.0 } else { small / large };
     LEAST_RELAXATION + (RELAXATION - LEAST_RELAXATION) * ratio
 }
@@ -139,7 +143,10 @@ impl Block {
         get: impl Fn(usize) -> Option<([u32; 2], [f32; 2], [f32; 2])>,
     ) {
         let Materials { particles, lossy, restitution } = *of;
+        // Unused lanes keep values with which all formulas stay finite, so kernels compute all
+        // sixteen without a mask.
         *self = Self::default();
+        // Unused lanes read and write the spare row behind all particles.
         let mut indices = [[particles.len() as u32; LANES]; 2];
         let mut last = (f32::NAN, [0.0; 2]);
         let used = (0..LANES).filter_map(|lane| Some((lane, get(lane)?)));
@@ -152,6 +159,7 @@ impl Block {
                 let inverse_mass = particles.inverse_mass(index);
                 self.inverse_masses[k][lane] = inverse_mass;
                 self.fixed[k] |= u32::from(inverse_mass == 0.0) << lane;
+                // r²/I = 2/m of a disc; a point cannot turn.
                 self.softness[k][lane] = if radii[k] == 0.0 { 0.0 } else { 2.0 * inverse_mass };
             }
             self.has_images |= image != [0.0; 2];
@@ -159,6 +167,7 @@ impl Block {
             self.sizes[lane] = size_of(radii[0], radii[1]);
             let is_uneven = are_uneven(self.sizes[lane], self.contact_distances[lane]);
             self.uneven_sizes |= u32::from(is_uneven) << lane;
+            // In this order the product of the two is the same if they are exchanged.
             let restitution = restitution * (particles.restitutions[i] * particles.restitutions[j]);
             self.restitutions[lane] = restitution;
             if lossy.is_empty() || lossy[i] || lossy[j] {
@@ -177,6 +186,7 @@ impl Block {
         for lane in 0..LANES {
             let masses = [self.inverse_masses[0][lane], self.inverse_masses[1][lane]];
             let softness = self.softness[0][lane] + self.softness[1][lane];
+            // Divisions are made once a step; the iterations multiply.
             self.effective_masses[lane] = 1.0 / (masses[0] + masses[1]);
             self.relaxed_masses[lane] = self.effective_masses[lane] * relaxation(masses);
             self.sliding_masses[lane] = 1.0 / ((masses[0] + masses[1]) + softness);
@@ -191,6 +201,8 @@ impl Block {
         }
         let Self { totals, impulses, friction_impulses, .. } = self;
         for lane in 0..LANES {
+            // Over all lanes without a mask, so that the compiler uses one vector instruction.
+            // Lanes that do not rest have impulses of 0.
             totals[0][lane] += impulses[0][lane] + impulses[1][lane];
         }
         if has_friction {
@@ -226,6 +238,8 @@ impl Block {
     ) -> (Option<Vector>, f64) {
         let pair = [0, 1].map(|k| self.indices.of(k)[lane]);
         let [p, q] = pair.map(exact);
+        // The gap is a small difference of the length and the sum of radii. If the radii are very
+        // different, float32 has no digits for it.
         let offset = vector(|k| q[k] - p[k] + f64::from(self.images[k][lane]));
         let [r, s] = pair.map(|index| f64::from(radii[index as usize]));
         gap(offset, r + s)
@@ -298,6 +312,8 @@ impl Blocks {
         for (kinds, lanes) in counts.iter().zip(&mut lanes.0) {
             let start = end;
             let first = |block: usize| block * LANES;
+            // Uneven contacts have blocks of their own, because further iterations visit only
+            // these. The others share blocks, near ones first.
             let uneven_end = start + kinds[UNEVEN_KIND].div_ceil(LANES);
             lanes[UNEVEN_KIND] = first(start);
             lanes[NEAR_KIND] = first(uneven_end);
@@ -307,6 +323,8 @@ impl Blocks {
                 self.colours.push(Colour { start, uneven_end, end, is_serial: false });
             }
         }
+        // A block for each: two contacts in one block are solved at the same time, and these share
+        // particles.
         for [uneven, others] in rounds {
             let (start, uneven_end) = (end, end + uneven);
             end = uneven_end + others;

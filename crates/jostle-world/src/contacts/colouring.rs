@@ -47,15 +47,25 @@ impl Colouring {
     /// do not move take no colour: any number of their contacts may share one.
     pub fn run(&mut self, edges: &[Edge], movable: &[bool], colours: &mut Vec<u8>) {
         colours.clear();
+        // The order of solving changes the result, because the iteration ends early. So the colours
+        // must follow from the state, and only from the state nearby. The priorities are hashes, so
+        // chains of rising priorities are short, and a far particle does not change a colour.
         colours.resize(edges.len(), COLOURS as u8);
+        // In descending order of priorities, each contact finds all colours of higher ones already
+        // taken. So one pass gives the colours that the parallel algorithm of Jones and Plassmann
+        // gives.
         self.sort(edges);
         let Self { order, taken, .. } = self;
         taken.clear();
         taken.resize(movable.len(), 0);
         for &[_, edge] in &*order {
             let [a, b] = edges[edge as usize].indices.map(|index| index as usize);
+            // The lowest free colour is the first 0 among 64 bits. All 64 taken give 64, the number
+            // that means "no colour".
             let colour = (taken[a] | taken[b]).trailing_ones();
             colours[edge as usize] = colour as u8;
+            // A particle that does not move is never written, so its contacts may be solved at the
+            // same time. A floor under a thousand discs would otherwise need a thousand colours.
             let bit = 1u64.checked_shl(colour).unwrap_or(0);
             taken[a] |= if movable[a] { bit } else { 0 };
             taken[b] |= if movable[b] { bit } else { 0 };
@@ -67,12 +77,16 @@ impl Colouring {
     fn sort(&mut self, edges: &[Edge]) {
         let Self { order, spare, ends, .. } = self;
         order.clear();
+        // The complement sorts in descending order. The index breaks ties by the canonical order:
+        // the radix sort is stable, and the sort by comparison compares the index.
         order.extend((0..).zip(edges).map(|(index, edge)| [!edge.priority, index]));
         if order.len() < FEW {
             return order.sort_unstable();
         }
         spare.resize(order.len(), [0; 2]);
         ends.resize(1 << DIGIT, 0);
+        // Three passes of 11 bits: 2,048 counters fit into the first-level cache. The time does not
+        // depend on the distribution of the keys.
         for digit in 0..DIGITS {
             let digit_of = |of: &[u32; 2]| (of[0] >> (digit * DIGIT) & ((1 << DIGIT) - 1)) as usize;
             counting_sort(order.iter(), |of| digit_of(of), |of| *of, ends, spare);
@@ -104,6 +118,9 @@ impl Work<f32> for Prioritize<'_> {
             let mut cells = [[0.0f32; LANES]; NUMBERS];
             for (lane, &indices) in pairs.iter().enumerate() {
                 let [a, b] = indices.map(|index| index as usize);
+                // Cells in units of the contact keep the colours of a pile at rest from step to
+                // step. With positions to the last bit, colours would change in each step, and
+                // impulses with them.
                 let scale = CELLS / (radii[a] + radii[b]);
                 let numbers = [positions[a], positions[b], image];
                 for (column, number) in cells.iter_mut().zip(numbers.as_flattened()) {
@@ -113,6 +130,8 @@ impl Work<f32> for Prioritize<'_> {
             let mut hashes = [0u32; LANES];
             for column in &cells {
                 for (hash, number) in hashes.iter_mut().zip(column) {
+                    // The conversion to integers truncates and saturates in Rust, so it is defined
+                    // for each number, also for NaN.
                     *hash = mix(*hash, *number as i32 as u32);
                 }
             }
@@ -129,6 +148,8 @@ const NUMBERS: usize = 6;
 /// A hash of a hash and a number: the finalizer of MurmurHash3 (A. Appleby).
 #[inline(always)]
 fn mix(hash: u32, number: u32) -> u32 {
+    // Integer operations only, so the hash is the same on each machine. The factor 31 makes the
+    // order of the numbers count.
     let mut mixed = hash.wrapping_mul(31).wrapping_add(number);
     mixed = (mixed ^ mixed >> 16).wrapping_mul(0x85eb_ca6b);
     mixed = (mixed ^ mixed >> 13).wrapping_mul(0xc2b2_ae35);

@@ -103,6 +103,7 @@ impl Default for Contact {
 
 /// Whether the masses of two particles that move are very different.
 fn are_uneven([a, b]: [f32; 2]) -> bool {
+    // By the product, without a quotient: an inverse mass may be 0.
     a.max(b) > UNEVEN * a.min(b)
 }
 
@@ -126,6 +127,8 @@ impl Contact {
 
     /// Updates normal and gap to the positions in float32.
     pub fn measure(&mut self, motions: &Motions, radii: &[f32]) {
+        // Float64 for the difference: the results for the caller must be those of the positions in
+        // float32 that the caller sees.
         let [a, b] = self.indices.map(|index| motions.position(index).map(f64::from));
         let offset = [0, 1].map(|k| b[k] - a[k] + f64::from(self.image[k]));
         let [r, s] = self.indices.map(|index| f64::from(radii[index as usize]));
@@ -143,6 +146,7 @@ impl Contact {
     /// the normal changes its sign.
     pub fn ascending(self) -> Self {
         let Self { indices: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
+        // Each pair has one form, so contacts of both directions are equal and can be merged.
         if a < b {
             return self;
         }
@@ -224,6 +228,8 @@ impl Previous {
         if first + 1 >= self.starts.len() {
             return [0.0; 2];
         }
+        // Compressed rows: the impulses of the step before are found by two loads and a short
+        // search, without a hash table.
         let range = self.starts[first] as usize..self.starts[first + 1] as usize;
         // In canonical order, so ascending: one large particle may rest on very many.
         let found = self.seconds[range.clone()].binary_search(&second);
@@ -241,7 +247,12 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let movable = &particles.movable;
+        // Five passes in this order, because each needs the one before: uneven masses decide the
+        // kind, edges have priorities, priorities the colours, colours the counts, counts the
+        // places of blocks.
         self.find_uneven(lists, &particles.masses, movable);
+        // Only contacts without images follow the order of the keys. With images the lists are
+        // merged by a sort at the end of the step.
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
         self.list_edges(lists, particles, movable, threads);
         self.colouring.run(&self.edges, movable, &mut self.colours);
@@ -259,6 +270,8 @@ impl Contacts {
         rounds: usize,
         threads: Option<usize>,
     ) {
+        // First each contact gets its lane, in canonical order on one thread. Then threads fill the
+        // blocks, each its own. So the place of a contact does not depend on threads.
         let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds);
         let mut next = self.blocks.arrange(&self.counts, rounds);
         let mut in_sequence = self.sequence.blocks(&self.blocks);
@@ -278,6 +291,8 @@ impl Contacts {
                     in_sequence.next().unwrap_or_default() * LANES
                 };
                 self.lanes.push(lane as u32);
+                // The lane knows its pair, and not the reverse: a thread that fills a block reads
+                // sixteen pairs and writes to its block alone.
                 self.sources[lane] = [which, pair];
             }
         }
@@ -287,10 +302,13 @@ impl Contacts {
             let pair = pairs[pair as usize];
             let here = *image == [0.0; 2];
             let [i, j] = pair.map(|index| before[index as usize]);
+            // Warm starting across the seam of a torus is left out: the key of the previous order
+            // has no image. Such a contact begins with 0.
             let impulses = if here { previous.impulses(i, j) } else { [0.0; 2] };
             Some((pair, *image, impulses))
         };
         let size = BLOCKS_OF_A_THREAD;
+        // One task needs no other thread.
         let threads = if blocks.list.len() <= size { Some(1) } else { threads };
         let parts = blocks.list.chunks_mut(size).zip(sources.chunks(size * LANES));
         parallel::for_each(threads, parts, |(blocks, sources)| {
@@ -311,6 +329,7 @@ impl Contacts {
         for block in &mut self.blocks.list {
             block.count(has_friction);
             if !has_friction {
+                // Otherwise an impulse from before the friction became 0 would begin the next step.
                 block.friction_impulses[1] = [0.0; LANES];
             }
         }
@@ -330,6 +349,7 @@ impl Contacts {
         // Most worlds need no further test. Numbers above 0 have the order of their bits.
         let bits = masses.iter().map(|mass| mass.to_bits());
         let [least, most] = [bits.clone().fold(u32::MAX, u32::min), bits.fold(0, u32::max)];
+        // The reserve covers the rounding of the inverse masses that the exact test compares.
         if f32::from_bits(most) <= UNEVEN * f32::from_bits(least) * (1.0 - 4.0 * f32::EPSILON) {
             return;
         }
@@ -384,6 +404,8 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let Self { edges, kinds, uneven, .. } = self;
+        // All contacts of such a particle get more iterations, and not only the uneven one: the
+        // correction of one contact disturbs the others of the same particle.
         let is_uneven = |index: u32| uneven.get(index as usize).is_some_and(|&uneven| uneven);
         let count = lists.iter().map(|(_, pairs)| pairs.len()).sum();
         edges.resize(count, Edge::default());
@@ -399,9 +421,13 @@ impl Contacts {
                 for (kind, &indices) in kinds.iter_mut().zip(pairs) {
                     let [a, b] = indices.map(|index| index as usize);
                     *kind = if !(movable[a] || movable[b]) {
+                        // Neither moves, so no impulse has an effect. The pair stays in the list,
+                        // because lists and colours are read in step.
                         UNSOLVED
                     } else if indices.into_iter().any(is_uneven) {
                         UNEVEN_KIND as u8
+                    // Pairs near each other are likely to rest. Blocks of them are full of work,
+                    // and blocks of the others are skipped as a whole.
                     } else if are_near(particles, [a, b], *image) {
                         NEAR_KIND as u8
                     } else {
@@ -481,6 +507,8 @@ impl Contacts {
         indices: usize,
     ) {
         let Self { list, blocks, lanes, spare, unsorted, .. } = self;
+        // The lanes are read in canonical order, so the result is sorted without a sort, although
+        // blocks are in the order of colours.
         let lasting = lanes.iter().filter_map(|&lane| {
             let lane = lane as usize;
             blocks.list[lane / LANES].lasting(lane % LANES).map(Contact::ascending)
@@ -499,8 +527,11 @@ impl Contacts {
         }));
         sort(spare);
         list.clear();
+        // Nothing could rest, as in a gas: the bounces are the list.
         if lanes.is_empty() {
             std::mem::swap(list, spare);
+            // Equal keys are neighbours after the sort, in an order of their values, so sums have
+            // the same bits on each process.
             list.dedup_by(|next, last| last.absorb(next));
         } else if self.is_sorted {
             merge(lasting, spare, list);
@@ -538,9 +569,12 @@ impl Contacts {
         impulses.clear();
         let mut overflow = None;
         for contact in &*list {
+            // The caller refuses the step. Stored, the impulse would become NaN in the next one.
             if contact.impulse == f32::INFINITY {
                 overflow = overflow.or(Some(contact));
             }
+            // Most contacts of a gas have no impulse at rest, and a world without one allocates
+            // nothing here.
             if contact.impulse > 0.0 && contact.image == [0.0; 2] {
                 if starts.is_empty() {
                     starts.resize(indices + 1, 0);
@@ -575,6 +609,8 @@ pub fn sum_of_impulses(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
 fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool {
     let [p, q] = [a, b].map(|index| particles.positions[index]);
     let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+    // The kind decides only in which block a contact is, so float32 and a rough limit are enough.
+    // It follows from the state, so it is the same everywhere.
     let most = (1.0 + NEAR) * (particles.radii[a] + particles.radii[b]);
     x * x + y * y < most * most
 }
@@ -583,6 +619,7 @@ fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool 
 /// these.
 fn sort(list: &mut [Contact]) {
     let key = |of: &Contact| (of.key(), of.totals.map(f32::to_bits));
+    // The test is one pass, and the list is sorted already in most steps of a pile.
     if !list.is_sorted_by_key(key) {
         list.sort_unstable_by_key(key);
     }

@@ -41,6 +41,8 @@ impl Sequence {
     pub fn list(&mut self, lists: &[([f32; 2], Vec<[u32; 2]>)], colours: &[u8], kinds: &[u8]) {
         let contacts = &mut self.contacts;
         contacts.clear();
+        // A fold without an early end, which the compiler turns into vector instructions. Nearly
+        // all worlds end here.
         self.is_any = colours.iter().fold(false, |any, &colour| any | (colour == COLOURS as u8));
         if !self.is_any {
             return;
@@ -51,11 +53,14 @@ impl Sequence {
         for (((image, indices), at), (&colour, &kind)) in
             pairs.zip(0..).zip(colours.iter().zip(kinds))
         {
+            // A particle with more than 64 contacts is a large one among many small ones. In
+            // sequence each correction sees the last one, as with a colour for each contact.
             if usize::from(colour) == COLOURS && kind != UNSOLVED {
                 let is_uneven = kind == UNEVEN_KIND as u8;
                 contacts.push(Sequential { indices, image, is_uneven, at, round: 0 });
             }
         }
+        // Uneven ones first, so that the further iterations visit a prefix of the round.
         contacts.sort_unstable_by_key(|of| (!of.is_uneven, of.at));
     }
 
@@ -88,6 +93,8 @@ impl Sequence {
             kinds[of.at as usize] = if of.is_uneven { UNEVEN_KIND } else { NEAR_KIND } as u8;
             places.push([of.at, place]);
         }
+        // Blocks are filled in canonical order, and lie in the order of solving. The places map one
+        // to the other.
         places.sort_unstable();
         counts
     }

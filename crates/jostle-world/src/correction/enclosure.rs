@@ -33,6 +33,8 @@ impl Enclosure<'_> {
     pub fn clamp(&self, index: u32) -> [f32; 2] {
         let (position, radius) =
             (self.motions.position(index), self.particles.radii[index as usize]);
+        // The test is in float32, which the caller sees. The exact position is changed only if it
+        // is outside itself.
         let allowed = self.walls.container.clamp(position, radius);
         if allowed != position {
             let exact =
@@ -77,12 +79,15 @@ impl Enclosure<'_> {
         let Self { motions, particles, walls } = *self;
         let container = walls.container;
         let position = motions.position(index);
+        // The reserve covers the rounding of the square, the sum and the root.
         let far = (by[0] * by[0] + by[1] * by[1]).sqrt() * (1.0 + 4.0 * f32::EPSILON);
         let is_free = walls.is_empty() || walls.is_far(index, position, far);
         let by = if is_free { by } else { pushed_out(walls, motions, index, by) };
         let wanted = [0, 1].map(|k| position[k] + by[k]);
         let allowed = container.clamp(wanted, particles.radii[index as usize]);
         let is_kept = |k: usize| allowed[k] == wanted[k];
+        // Where nothing is clamped the displacement keeps its bits: sum and difference with the
+        // position would round it to the spacing there.
         [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
     }
 
@@ -93,6 +98,8 @@ impl Enclosure<'_> {
         let Self { motions, particles, walls } = *self;
         let container = walls.container;
         let (position, radius) = (motions.position(index), particles.radii[index as usize]);
+        // One radius is more than all iterations can move a particle in usual cases. Larger
+        // displacements take the exact path.
         let is_free = (walls.is_empty() || walls.is_far(index, position, radius))
             && (!container.has_walls() || container.inner().contains(position, 2.0 * radius));
         if is_free { FREE * radius * radius } else { 0.0 }
@@ -104,7 +111,7 @@ thread_local! {
     static NEAR_WALLS: Cell<Vec<(u32, Vector)>> = const { Cell::new(Vec::new()) };
 }
 
-/// The disindexment of a particle that is to move `by`, with the least change that lets it overlap
+/// The displacement of a particle that is to move `by`, with the least change that lets it overlap
 /// no wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
 fn pushed_out(walls: Around<'_>, motions: &Motions, index: u32, by: [f32; 2]) -> [f32; 2] {
     let radius = f64::from(walls.particles.radii[index as usize]);
@@ -112,6 +119,8 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, index: u32, by: [f32; 2]) ->
     let to: Vector = [0, 1].map(|k| from[k] + f64::from(by[k]));
     // Points are moved away from walls, too.
     let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
+    // The whole way is tested and not only its end, so that the centre does not jump over a thin
+    // wall.
     let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
     let mut is_free = true;
     walls.each(index, area, 0.0, |wall, offset| {
@@ -123,6 +132,7 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, index: u32, by: [f32; 2]) ->
     if is_free {
         return by;
     }
+    // `take` leaves an empty list. The list is put back at the end, so each thread allocates once.
     let mut near = NEAR_WALLS.take();
     near.clear();
     walls.each(index, area, most, |wall, offset| near.push((wall, offset)));

@@ -97,13 +97,20 @@ impl Correction {
         (colours, halo): (usize, &dyn Halo),
         threads: Option<usize>,
     ) -> Result<()> {
+        // Velocities are not touched. If overlap were removed by velocities, each correction would
+        // add kinetic energy, and a pile would never come to rest (pseudo-velocities; E. Catto,
+        // 2005, and *split impulses* elsewhere).
         let enclosure = Enclosure { motions, particles, walls };
         enclosure.move_all_inside(threads);
         if colours == 0 {
             return Ok(());
         }
         let pairs = &mut contacts.blocks;
+        // Offsets are measured once, from exact positions. The iterations add only differences of
+        // displacements to them, which are small and exact enough in float32.
         measure(&mut pairs.list, motions, &particles.radii, threads);
+        // Displacements are 0 between calls, so nothing is cleared here: in a pile at rest nearly
+        // all stay 0.
         self.displacements.resize_with_spare(particles.len());
         self.free_squares.resize(particles.len() + 1);
         self.list_near_colours(pairs);
@@ -144,8 +151,12 @@ impl Correction {
         threads: Option<usize>,
     ) -> Result<bool> {
         let len = enclosure.particles.len();
+        // To know which particles are far from walls costs a pass over all of them. It pays only if
+        // many are moved; the last sub-step tells what to expect.
         let many = len / WORTH_LISTING;
         let moved: [AtomicUsize; ITERATIONS] = Default::default();
+        // Relaxed: threads wait for each other after each colour, and that orders the additions
+        // before this load. All threads read the same number, so they end in the same iteration.
         let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
         let Self { displacements, free_squares, moved_many, near, .. } = &*self;
         let inside = |index: u32, by: [f32; 2]| enclosure.allowed(index, by);
@@ -159,10 +170,13 @@ impl Correction {
                     for index in member.share(len) {
                         free_squares.set(index as u32, enclosure.free_square(index as u32));
                     }
+                    // The next colour reads displacements that this one has written, on any thread.
                     member.wait();
                     knows_free = true;
                 }
                 stages.separate(knows_free.then_some(free_squares), count, member)?;
+                // The end depends on whether anything was moved anywhere. An iteration in which
+                // nothing overlaps changes nothing, so the result does not depend on far particles.
                 if !halo.any(count_of(iteration) > 0)? {
                     break;
                 }
@@ -230,6 +244,8 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
                 };
                 let blocks = &blocks[own];
                 let moved = Separate { blocks, displacements, free_squares, inside }.run();
+                // Relaxed: additions commute, and the barrier below orders them before the count is
+                // read.
                 count.fetch_add(moved, Ordering::Relaxed);
             }
             member.wait();

@@ -25,10 +25,14 @@ impl Simulation<'_> {
         let number = self.course(index);
         let course = &self.history.courses[number as usize];
         // A disc without room has several events at one moment.
+        // `happen` treats discs between walls at an acute angle or between walls that close in, and
+        // counts their events at one moment.
         let has_just_turned = course.count > 0 && course.segment.time == time;
         if has_just_turned || course.is_exhausted || self.is_nearly_exhausted(course) {
             return false;
         }
+        // The steps below are those of `happen` for a group of one disc and one contact. The same
+        // functions in the same order make the same bits.
         let now = course.segment.moved(time, window.gravity());
         let count = course.count + 1;
         let normal = window.wall_normal(index, wall, &now);
@@ -39,11 +43,17 @@ impl Simulation<'_> {
         let own = Turned { index, now: &now, new: &new, count };
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
+        // The wall of the event is found again among those that the disc touches. On a torus
+        // another image of it is another contact, so the normal is compared, too.
         let is_known = |other: u32, normal| {
             other == wall && touch.is_same(&impulses::Touch::of_wall(index, wall, normal))
         };
+        // After the bounce the disc moves away from a flat wall, so a test in float32 need not look
+        // at it again.
         let left = flight.walls.left(wall);
         let is_alone = self.predict_one(time, &own, None, left, is_known, &mut predicted);
+        // Only now does anything change. If the disc touches something else, `happen` computes the
+        // event from an unchanged state.
         if is_alone {
             predicted.iter().for_each(|event| self.scratch.queue.push(*event));
             self.turn(number, new);

@@ -79,11 +79,14 @@ impl Events {
         if self.outside.is_empty() || !(window.flight.pairs || window.flight.senses_all) {
             return Ok(());
         }
+        // Bounds may be larger than limits, and they depend on guesses. So a disc that has left its
+        // bounds is a candidate here, and the final trajectories decide.
         if !window.flight.limits.is_empty() {
             self.may_be_outside_limits.extend(self.outside.iter().map(|outside| outside.index));
         }
         self.near.clear();
         bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;
+        // Pairs that pass through each other have no impacts, so they must not become neighbours.
         self.take_sensed(window);
         self.neighbors.add(&self.near, &mut self.new);
         Ok(())
@@ -99,11 +102,15 @@ impl Events {
             let all = 0..window.starts.len() as u32;
             listed.extend(all.filter(|index| window.anchors.is_some() || has_events(index)));
         }
+        // A disc may be listed by several repetitions, and by the rule above.
         listed.sort_unstable();
         listed.dedup();
         for &index in &listed {
             let squares = self.trajectory(window, index);
             let anchor = window.flight.anchor(index);
+            // `longest_square` follows each segment to the end of the window, also where an event
+            // ends it earlier. So the distance is an upper bound, and it follows from the
+            // trajectory alone.
             let squares = squares.map(|part| window.longest_square(anchor, &part.segment));
             let distance = squares.fold(0.0, f64::max).sqrt();
             if distance > f64::from(window.flight.limits[index as usize]) {
@@ -121,6 +128,8 @@ pub(super) fn find_outside_at_start(
     outside: &mut Vec<Outside>,
 ) {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
+    // First in float32: nearly all discs stay in their bounds, and only for the others is the
+    // distance computed in float64.
     let may_leave = |index: u32| window.may_leave(index, max_displacements[index as usize]);
     let moving = (0..).zip(window.now);
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));

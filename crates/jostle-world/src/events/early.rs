@@ -29,10 +29,15 @@ impl Passing {
     /// Whether the two certainly do not touch within `span` seconds. False where numbers overflow.
     #[inline(always)]
     fn is_far(&self, span: f32) -> bool {
+        // The square of the distance is a parabola in time. Its minimum within the span, compared
+        // with the square of the sum of the radii, needs neither a root nor the time of impact.
         let (approach, ww) = (dot(self.offset, self.velocity), dot(self.velocity, self.velocity));
         let qq = dot(self.offset, self.offset);
         // The time of the closest approach. `max` returns 0 for what is not a number.
         let closest = (-approach / ww).max(0.0).min(span);
+        // Without fused multiply-add: the rounding would differ between processors, and with it
+        // which pairs are tested further. The result would be the same, because the margin covers
+        // both. But the rule holds for all of the state's path.
         let square = qq + (2.0 * approach + ww * closest) * closest;
         square > self.contact_distance * self.contact_distance + self.error(qq)
     }
@@ -42,6 +47,8 @@ impl Passing {
     #[inline(always)]
     fn error(&self, square: f32) -> f32 {
         // An error d of the distance r makes one of (2 r + d) d of the square.
+        // Positions are rounded to float32 with an error in proportion to the coordinates. Far from
+        // the origin this dominates, near it the relative error of the square does.
         let rounding = 2.0 * ROUNDING * self.sizes;
         MARGIN * square + (2.0 * self.contact_distance + rounding) * rounding
     }
@@ -71,6 +78,9 @@ impl Start {
     /// to them, also if they overlap.
     #[inline(always)]
     pub fn is_settled(&self, span: f32, smallest: f32) -> bool {
+        // Each of two discs moves by at most half of the allowed overlap: a share of the radius,
+        // and the limit is the same share of the diameter. The smallest radius of the world stands
+        // for that of the unknown partner.
         let farthest = DEFERRED as f32 * self.radius.min(smallest) * (1.0 - MARGIN);
         (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
     }
@@ -85,9 +95,12 @@ impl Start {
         max_displacement: f32,
     ) -> bool {
         let Self { position, velocity, falls, .. } = *self;
+        // Twice the fall from rest, which is simpler than the bound for a parabola, and safe.
         let fall = if falls { length(gravity) * span * span } else { 0.0 };
         let far = length([0, 1].map(|k| position[k] - anchor[k])) + length(velocity) * span + fall;
         let rounding = ROUNDING * (length(position) + length(anchor));
+        // The comparison is written so that it is false for NaN, and the disc counts as one that
+        // may leave.
         let stays = far * (1.0 + MARGIN) + rounding <= max_displacement;
         // Also true where numbers overflow.
         !stays
@@ -116,6 +129,8 @@ impl Now {
             offset: [0, 1].map(|k| other.position[k] - self.position[k] + image[k]),
             velocity: [0, 1].map(|k| other.velocity[k] - self.velocity[k]),
             contact_distance,
+            // The error of a later position has a share of the displacement as well, so both are in
+            // the sum.
             sizes: self.sizes
                 + other.sizes
                 + (length(self.velocity) + length(other.velocity)) * span
@@ -127,6 +142,8 @@ impl Now {
     /// events.
     #[inline(always)]
     pub fn may_meet(&self, other: &Self, image: [f32; 2], span: f32) -> bool {
+        // If one falls and the other does not, the relative motion is a parabola, and a test of a
+        // straight line says nothing.
         !self.passing(other, image, span).is_far(span) | (self.falls != other.falls)
     }
 }
@@ -154,10 +171,15 @@ impl Window<'_> {
         }
         let Passing { offset, velocity, contact_distance, .. } = *passing;
         let size = size_of(own.radius, other.radius);
+        // All roundings are taken to the side on which the pair is tested further. A wrong "no"
+        // loses a collision, a wrong "yes" costs time.
         let square = dot(offset, offset) - passing.error(dot(offset, offset));
         let [v, w] = [own, other].map(|start| dot(start.velocity, start.velocity));
         // (a + b)² is at most 2 (a² + b²).
+        // The difference of two nearly equal velocities has an error in proportion to the
+        // velocities, not to the difference.
         let speeds = dot(velocity, velocity) + MARGIN * MARGIN * (v + w);
+        // To the end of the flight, and not of the window: the exact rule has this span, too.
         let left = self.flight.end - self.begin;
         let approach = 2.0 * speeds * (left * left) as f32;
         let most = DEFERRED as f32 * size;
@@ -170,6 +192,8 @@ impl Window<'_> {
     /// A disc without events in the window at `time`.
     #[inline(always)]
     pub fn first_at(&self, index: u32, time: f64) -> Now {
+        // Times are measured from the start of the window, where the column `now` is exact to
+        // rounding. A float32 of the time since the start of the flight would have a larger error.
         let time = (time - self.begin) as f32;
         let Start { position, velocity, radius, falls, .. } = self.now[index as usize];
         let gained = if falls { self.flight.gravity.map(|g| g as f32 * time) } else { [0.0; 2] };
@@ -200,6 +224,7 @@ impl Window<'_> {
         let error = 0.125 * length(fall) * span
             + MARGIN * (length(velocity) + length(fall)) * span
             + ROUNDING * (sizes + radius);
+        // A falling disc may return to the wall from which it bounces.
         let left = left.filter(|_| !falls);
         walls.may_touch(index, &path, error, left).map(|may| may | is_near_side)
     }
@@ -256,6 +281,8 @@ impl Window<'_> {
         }
         near.truncate(count);
         if has_walls {
+            // The first test has a circle for each disc; this one has the path. It is slower, so it
+            // sees only what the first has left.
             near.retain(|&index| {
                 let now = self.now[index as usize].now();
                 self.may_touch_wall(index, &now, end, None)[1]

@@ -60,6 +60,8 @@ impl Flight<'_> {
     /// Of the discs that are exhausted as the flight begins those that stand still in it: those
     /// that lose no energy.
     fn standing(&self, exhausted: &[u32]) -> impl Iterator<Item = u32> {
+        // A disc that loses energy may come to rest in the joint solution. One that must keep its
+        // energy cannot, so it stands still and gets its velocity back.
         exhausted.iter().copied().filter(|&index| !self.lose_energy([index]))
     }
 
@@ -89,6 +91,7 @@ impl Window<'_> {
     pub fn is_exhausted(&self, index: u32) -> bool {
         match self.carried(index) {
             Some(course) => course.is_exhausted,
+            // Nearly always nothing is exhausted, and the first test costs one comparison.
             None => !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok(),
         }
     }
@@ -110,6 +113,9 @@ impl Course {
     /// `seconds`.
     pub(super) fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
         if radius > 0.0 {
+            // The count measures events without progress. A fast disc in a dense gas has many
+            // events, and moves by its radius between few of them. Distances along the axes need no
+            // square root.
             let by = vector(|k| (new.position[k] - self.segment.position[k]).abs());
             self.travelled += (by[0] + by[1]) as f32;
         } else {
@@ -119,6 +125,7 @@ impl Course {
             }
         }
         if self.travelled > radius as f32 {
+            // The event itself is the first of the new count.
             (self.recent, self.travelled) = (0, 0.0);
         }
         self.recent += 1;
@@ -133,13 +140,19 @@ impl Simulation<'_> {
         let History { courses, exhausted_courses, collapsed, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
         let is_lossy = window.flight.lose_energy([course.index]);
+        // Equality, so that a collapse is listed once.
         if course.recent == COLLAPSE && is_lossy {
             collapsed.push(number);
         }
+        // The rule depends on this disc's own trajectory alone. A limit for the whole world would
+        // let events far away decide, which would depend on how the world is divided among
+        // processes.
         if course.recent >= window.flight.max_events(course.index) && !course.is_exhausted {
             course.is_exhausted = true;
             exhausted_courses.push(number);
             if !is_lossy {
+                // The velocity is kept outside the segment: for all others the disc stands still,
+                // so predictions read 0.
                 course.stopped = Some(course.segment.velocity);
                 course.segment.velocity = [0.0; 2];
                 course.segment.falls = false;
@@ -166,6 +179,8 @@ impl Simulation<'_> {
         if index_of(wall).is_some() && !is_lossy && self.has_many_at_once(course, time) {
             let course = &mut self.history.courses[number as usize];
             // The event itself is counted later.
+            // Between two walls that close in, the times between bounces shrink without limit. No
+            // number of further events helps, so the disc skips the count.
             course.recent = course.recent.max(most - 1);
         }
     }
@@ -179,6 +194,8 @@ impl Simulation<'_> {
     /// Whether the contacts of the disc of a course are solved jointly at `time`.
     pub(super) fn is_joint(&self, course: &Course, time: f64) -> bool {
         let is_lossy = || self.window.flight.lose_energy([course.index]);
+        // Where no energy is lost, the number of collisions at one moment is finite, so they are
+        // solved one by one. A joint solution without restitution would lose energy.
         course.is_exhausted || self.has_many_at_once(course, time) && is_lossy()
     }
 
@@ -186,6 +203,8 @@ impl Simulation<'_> {
     fn has_many_at_once(&self, course: &Course, time: f64) -> bool {
         let has_many = || {
             let segments = Trajectory::of(self.history, course, time);
+            // Segments of the same time are a run at the end of the chain, so the walk back is
+            // short.
             segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
         };
         course.count as usize >= MAX_AT_ONCE && course.segment.time == time && has_many()
@@ -222,9 +241,12 @@ impl Simulation<'_> {
         let conserves = !window.flight.lose_energy(pair) && are_exhausted != [true; 2];
         let inverse_mass = |course: &Course| {
             let is_fixed = conserves && course.is_exhausted || window.has_ended(course);
+            // An inverse mass of 0 makes a disc immovable in the solver without a case of its own.
             if is_fixed { 0.0 } else { course.inverse_mass }
         };
         let inverse_masses = courses.map(|of| of.map_or(0.0, inverse_mass));
+        // With a restitution above 0, discs that press an exhausted one would bounce off it again
+        // and again at the same place.
         let sticks = !conserves && courses.into_iter().flatten().any(|of| of.is_exhausted);
         let counts = courses.map(|of| of.map_or(0, |course| course.recent));
         let restitution = if sticks { 0.0 } else { self.pair_restitution(pair, counts) };
@@ -256,6 +278,7 @@ impl Simulation<'_> {
         for (own, velocity) in group.iter().zip(&mut *velocities) {
             let course = &self.history.courses[own.number as usize];
             // The event is counted later.
+            // A disc that has ended has no velocity of its own; what presses it gives it one below.
             if window.has_ended(&Course { recent: course.recent + 1, ..*course }) {
                 *velocity = [0.0; 2];
             }
@@ -263,11 +286,16 @@ impl Simulation<'_> {
         if !has_fixed {
             return;
         }
+        // Walls and immovable discs are projected last, because no other body yields to keep a disc
+        // out of them. A disc that has crossed a wall would not come back.
         impulses::project(fixed.clone(), velocities, sums);
         before.clone_from(velocities);
         for touch in fixed.clone().filter(|touch| touch.separation_speed(before) < 0.0) {
             for body in touch.bodies.into_iter().flatten() {
                 let (missing, velocity) = (touch.separation_speed(before), before[body]);
+                // An approach that is left after the projection means that no velocity satisfies
+                // all surfaces. Then the velocity of the disc has no meaning, and it starts from 0
+                // for the last projection.
                 if missing * missing > NO_ROOM * dot(velocity, velocity) {
                     velocities[body] = [0.0; 2];
                 }

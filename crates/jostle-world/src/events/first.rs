@@ -25,6 +25,8 @@ impl Events {
         for &(a, neighbor) in neighbors.later() {
             // Both of a pair have it in their lists.
             let pair = [a, neighbor.index];
+            // The pair counts once, in the list of its first disc. Otherwise its event would be in
+            // the queue twice.
             if is_reversed(window, pair) == Some(false) {
                 let event = first_impact(window, neighbors, pair, neighbor.image);
                 blocks[a as usize / *size].take(window, event);
@@ -46,11 +48,15 @@ impl Block {
         if !window.flight.pairs {
             return;
         }
+        // In a pile at rest nearly all discs are settled, and a pass over all pairs would find
+        // nothing. With many unsettled discs the pass is better, because it reads memory in order.
         if unsettled.len() <= self.range.len() / FEW {
             self.find_first_impacts_of(window, neighbors, unsettled);
         } else {
             self.find_first_impacts_inside(window, neighbors, near);
         }
+        // A pair across blocks is in the lists of both. `test` gives the event to the block of the
+        // first disc alone.
         for &(pair, code) in &neighbors.block(self.number).across {
             let image = neighbors.image_of(code).map(|v| v as f32);
             if may_meet(window, pair, image) {
@@ -90,6 +96,8 @@ impl Block {
     ) {
         let all = neighbors.block(self.number);
         for (list, range) in &all.inside {
+            // The pairs are read where the search has written them. A list of their own for each
+            // block would be another copy of all candidate pairs.
             let (image, pairs) = &window.candidates[*list as usize];
             let code = neighbors.code(*list);
             for pairs in pairs[range.start as usize..range.end as usize].chunks(PAIRS) {
@@ -118,6 +126,8 @@ impl Block {
         let partner = event.pair[1];
         let is_inside =
             self.range.contains(&partner) || !window.starts[partner as usize].is_movable;
+        // Impacts across blocks are not executed. They are conflicts from the beginning, see
+        // `find_crossing`.
         if is_inside { self.first.push(event) } else { self.crossing.push(event) }
     }
 }
@@ -129,6 +139,7 @@ fn find_near(
     image: [f32; 2],
     near: &mut Vec<[u32; 2]>,
 ) -> usize {
+    // The list only grows, so that it is not filled with zeros for each chunk.
     near.resize(near.len().max(pairs.len()), Default::default());
     let near = &mut near[..pairs.len()];
     let mut count = 0;
@@ -143,6 +154,7 @@ fn find_near(
 #[inline(always)]
 fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
     let [own, other] = pair.map(|index| &window.now[index as usize]);
+    // Operators without branches: the result of each is as good as random in a gas.
     (own.is_movable | other.is_movable)
         & !(own.is_settled & other.is_settled)
         & window.may_meet(own, other, image)
@@ -171,6 +183,7 @@ fn first_impact(
     }
     let [p, q] = pair.map(|disc| window.segment(disc));
     let image = neighbors.image_of(code);
+    // Both have no event in the window yet, so the counts are 0.
     let impact = window.impact((pair[0], &p), (pair[1], &q), image, window.end);
     impact.map(|impact| Event::of_discs(impact, pair, code, [0; 2]))
 }

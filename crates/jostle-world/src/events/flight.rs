@@ -130,9 +130,11 @@ impl Window<'_> {
                     position: position.map(|v| v as f32),
                     residual: [0.0; 2],
                     velocity: velocity.map(|v| v as f32),
+                    // A disc that has ended has no events of its own; two of them need no test.
                     is_movable: start.is_movable
                         && !course.is_some_and(|course| self.has_ended(course)),
                     falls: segment.falls,
+                    // After an event nothing is known about the speed any more.
                     is_settled: start.is_settled && course.is_none(),
                     ..start
                 };
@@ -157,6 +159,7 @@ impl Flight<'_> {
     /// Whether collisions of some discs may lose energy.
     #[inline(always)]
     pub fn lose_energy<const N: usize>(&self, indices: [u32; N]) -> bool {
+        // Three cases, the cheapest first: no disc loses energy, all do, or a column tells which.
         let is_lossy = |&index: &u32| self.lossy[index as usize];
         !self.is_lossless && (self.lossy.is_empty() || indices.iter().any(is_lossy))
     }
@@ -176,6 +179,8 @@ impl Flight<'_> {
     fn velocity(&self, index: u32) -> Vector {
         let velocity = self.motion(index).velocity.map(f64::from);
         match self.kicks.get(index as usize) {
+            // The sum stays in float64: rounding it to float32 would lose small kicks in each sub-
+            // step.
             Some(kick) => vector(|k| velocity[k] + kick.before[k]),
             None => velocity,
         }
@@ -184,6 +189,7 @@ impl Flight<'_> {
     /// The velocity of a disc that nothing accelerates. The flight is shorter than the sub-step if there
     /// is damping, but such a disc is not damped.
     fn velocity_of_kinematic(&self, index: u32) -> [f32; 2] {
+        // The displacement must be velocity times seconds, and the flight has fewer seconds.
         let longer = self.flow.seconds / self.flow.duration;
         self.motion(index).velocity.map(|v| (f64::from(v) * longer) as f32)
     }
@@ -210,9 +216,13 @@ impl Flight<'_> {
                     start.velocity = self.velocity_of_kinematic(index as u32);
                 } else {
                     start.is_supported = kicks.get(index).is_some_and(|kick| kick.is_supported);
+                    // What resting contacts support has its share of gravity in its kick, and flies
+                    // straight. Two supported discs then have a straight relative motion, and a
+                    // quadratic equation.
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
                 }
+                // Discs without loss bounce at any speed, so none of them is settled.
                 start.is_settled =
                     !self.is_lossless && start.is_settled(self.end as f32, self.smallest_radius);
             }
@@ -281,6 +291,8 @@ impl Window<'_> {
             time: 0.0,
             position: exact(start.position, start.residual),
             // Not rounded to float32 where forces change it.
+            // The column `Start` holds float32 for the early tests; here the rest of the sum
+            // matters.
             velocity: if is_kicked {
                 self.flight.velocity(index)
             } else {
@@ -317,6 +329,8 @@ impl Window<'_> {
     #[inline(always)]
     pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
         let Start { position, residual, .. } = self.starts[index as usize];
+        // The position at the end of the flight comes from the last segment in one formula. Steps
+        // from window to window would add a rounding for each.
         let [end, velocity] = last.at(self.end, self.gravity());
         let velocity = stopped.unwrap_or_else(|| self.after(index, last.falls, velocity));
         self.flight.motions.advance(index, exact(position, residual), end, velocity);
@@ -327,6 +341,7 @@ impl Window<'_> {
     pub fn after(&self, index: u32, falls: bool, velocity: Vector) -> Vector {
         let Flight { flow: Flow { decay, correction, .. }, kicks, .. } = self.flight;
         let added = if falls { *correction } else { [0.0; 2] };
+        // Damping first, then the second kick: see `Flow`.
         let damped = vector(|k| velocity[k] * decay + added[k]);
         let kick = kicks.get(index as usize);
         kick.map_or(damped, |kick| vector(|k| damped[k] + kick.after[k]))
@@ -355,7 +370,7 @@ impl Window<'_> {
     }
 
     /// The limits for surfaces of a size that meet at a place; whether neither has had an impact in
-    /// the window, whether resting contacts support both, and the coefficient of restitution.
+    /// the flight, whether resting contacts support both, and the coefficient of restitution.
     #[inline(always)]
     fn limits(
         &self,
@@ -363,6 +378,8 @@ impl Window<'_> {
         [is_first, is_lossy]: [bool; 2],
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
+        // Nothing may be ignored in an elastic world but rounding itself: an approach that is left
+        // out in each sub-step would become an overlap.
         let slightest = tolerance.at_most(SLIGHTEST);
         let limits = Limits {
             until: self.flight.end,
@@ -379,9 +396,14 @@ impl Window<'_> {
         }
         let (are_supported, restitution) = surfaces();
         let deferred = if are_supported { DEFERRED * tolerance.size() } else { 0.0 };
+        // A sequence of bounces that lose energy ends with ever lower ones. Without a limit a disc
+        // would have very many of them in the last moments of a sub-step. The first impact has the
+        // small limit, so that the slowest approach ends in it after one sub-step at most.
         let slight = if restitution < 1.0 { tolerance.at_most(SLIGHT) } else { slightest };
         let restitution = restitution_at_rest(restitution);
         Limits {
+            // The contact of two supported discs is solved as the next sub-step begins. An event
+            // here would take a disc out of the solution that supports it.
             tolerance: slight.max(deferred),
             touching_tolerance: if is_first { slightest } else { slight }.max(deferred),
             bounces: 2.0 * restitution / (1.0 - restitution),
@@ -394,6 +416,8 @@ impl Window<'_> {
     fn pair_limits(&self, pair: [u32; 2], positions: [Vector; 2], is_first: bool) -> Limits {
         let radii = pair.map(|index| self.starts[index as usize].radius);
         // They meet at the surface of the smaller disc, which is near its centre.
+        // The choice must not depend on the order of the pair, because either disc may predict the
+        // impact. Equal radii are decided by the index.
         let is_swapped = if radii[0] == radii[1] { pair[1] < pair[0] } else { radii[1] < radii[0] };
         let place = if is_swapped { positions[1] } else { positions[0] };
         let tolerance = Tolerance::of(f64::from(size_of(radii[0], radii[1])), place);
@@ -405,6 +429,9 @@ impl Window<'_> {
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
         let limits = self.limits(&tolerance, [is_first, self.flight.lose_energy(pair)], surfaces);
+        // Discs deep in each other may have very many impacts at the same moment, if each of these
+        // changes little. They may overlap by the rounding more, and position correction moves them
+        // apart.
         let deep_tolerance = tolerance.rounding().max(limits.tolerance);
         Limits { deep: DEEP * tolerance.size(), deep_tolerance, ..limits }
     }
@@ -445,6 +472,7 @@ impl Window<'_> {
     ) -> Option<Impact> {
         // Exchanging the two changes signs only.
         let relative = Relative::of(first, second, image, self.flight.gravity);
+        // Pairs that separate end here, before limits or square roots are computed.
         if relative.separates() {
             return None;
         }
@@ -454,6 +482,8 @@ impl Window<'_> {
             let is_first = first.is_first & second.is_first;
             self.pair_limits([a, b], [at(first), at(second)], is_first)
         };
+        // The limits are computed first only where the root needs them. On the straight path they
+        // are needed only if there is a meeting.
         if relative.is_curved() {
             let impact = relative.curved_impact(contact_distance, &limits());
             return impact.filter(|impact| impact.time <= until);
@@ -476,6 +506,8 @@ impl Window<'_> {
         let limits = |wall: u32, limits: Limits| {
             let all = f64::INFINITY;
             if skips(wall) {
+                // An infinite tolerance leaves out every bounce at this wall, and needs no second
+                // path through the geometry.
                 Limits { tolerance: all, touching_tolerance: all, deep_tolerance: all, ..limits }
             } else {
                 limits
@@ -487,9 +519,13 @@ impl Window<'_> {
                 self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
                     limits(wall, self.wall_limits(segment, index, wall))
                 });
+            // At equal times the side of the container wins, always, so the result does not depend
+            // on the order of tests.
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
             hit = if is_first { other.or(hit) } else { hit };
         }
+        // The prediction is for the whole flight and then left out if it is later than the window.
+        // So it has the same bits in each schedule of windows.
         let hit = hit.filter(|(impact, _)| impact.time <= self.end);
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
     }
@@ -503,6 +539,8 @@ impl Window<'_> {
     ) -> Option<(Impact, u32)> {
         let container = &self.flight.walls.container;
         let radius = f64::from(self.starts[index as usize].radius);
+        // A reserve of time makes the test safe: the exact formula might round an impact at the end
+        // of the window to a moment before it.
         let span = (self.end - segment.time) * (1.0 + FAR);
         let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
         if container.is_far(segment.position, radius, [far(0), far(1)]) {
@@ -525,6 +563,7 @@ impl Window<'_> {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
         let (square, contact_distance) = (dot(offset, offset), self.contact_distance(a, b));
         // The rounding is at most a share of the size, which is at most twice this distance.
+        // This test needs no limits and no square root, and most neighbours fail it.
         let farthest = (1.0 + 2.0 * COARSE) * contact_distance;
         if square > farthest * farthest {
             return false;
@@ -538,6 +577,8 @@ impl Window<'_> {
         let length = square.sqrt();
         let limits = limits.of_gap(length - contact_distance);
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
+        // `kind` is the rule of the impact itself. With another rule here, a contact could be in a
+        // group without having an event, or the reverse.
         limits.kind(approach / length, 0.0, first.time).is_some() || all()
     }
 
@@ -556,6 +597,8 @@ impl Window<'_> {
             return;
         }
         let radius = f64::from(self.starts[index as usize].radius);
+        // The search needs one distance. The rounding depends on the disc and its place, and hardly
+        // on the wall; each wall found is tested with its own limits.
         let rounding = self.wall_limits(now, index, number_of(0)).rounding;
         let (at, walls) = ((now.position, now.time), self.flight.walls);
         walls.contacts(index, at, radius, rounding, contacts);
@@ -627,6 +670,7 @@ impl Window<'_> {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)
         };
+        // The distance from a point is convex along a straight line, so it is largest at one end.
         let last = segment.position_at(self.end, self.gravity());
         let square = square(segment.position).max(square(last));
         if !segment.falls {

@@ -70,11 +70,16 @@ impl Touch {
         [normal, friction]: &mut [f64; 2],
     ) -> f64 {
         let softness = self.tangential_softness(rotors);
+        // Two surfaces that no impulse moves.
         if softness == 0.0 {
             return 0.0;
         }
+        // Coulomb's limit follows the present impulse along the normal, which `press` may raise in
+        // the same turn.
         let most = self.friction * *normal;
         let wanted = *friction - self.sliding_speed(velocities, rotors) / softness;
+        // The sum is limited, as along the normal. The change alone could be clamped in one
+        // direction and never return.
         let change = wanted.max(-most).min(most) - *friction;
         *friction += change;
         self.push(self.tangent(), change, velocities);
@@ -91,6 +96,8 @@ impl Touch {
         if softness == 0.0 {
             return 0.0;
         }
+        // The target is a speed of 0, without restitution. Energy would be added if a push caused
+        // by friction made surfaces bounce.
         let wanted = *normal - self.separation_speed(velocities) / softness;
         let change = wanted.max(least) - *normal;
         *normal += change;
@@ -130,6 +137,8 @@ impl Rubbing {
             for (at, (touch, impulses)) in touches.iter().zip(impulses.iter_mut()).enumerate() {
                 largest = largest.max(touch.rub(velocities, rotors, impulses));
                 if touches.len() > 1 {
+                    // The impulse of the bounce is the least value. Friction must not take back
+                    // what restitution has given.
                     largest = largest.max(touch.press(velocities, bounced[at], impulses));
                 }
             }
@@ -203,11 +212,14 @@ impl Simulation<'_> {
             return Rotor { surface_speed: 0.0, softness: 0.0 };
         }
         let velocity = self.history.turnings[number as usize].velocity;
+        // r²/I = 2/m for a disc, so the radius does not appear.
         Rotor { surface_speed: velocity * radius, softness: 2.0 * course.inverse_mass }
     }
 
     /// Writes the rotation of the disc with the course `number`, if an impact has changed it.
     fn set_rotor(&mut self, number: u32, rotor: &Rotor, time: f64) {
+        // The speed is written only if it has changed: a product and a quotient with the radius do
+        // not return the same bits.
         if rotor.softness > 0.0 && rotor.surface_speed != self.rotor(number).surface_speed {
             let radius = self.window.radius(self.history.courses[number as usize].index);
             let velocity = rotor.surface_speed / radius;
@@ -250,7 +262,7 @@ impl Simulation<'_> {
         (self.scratch.touches, self.scratch.velocities) = (touches, velocities);
     }
 
-    /// Friction of a disc that slides along a surface until the end of the window, where gravity
+    /// Friction of a disc that slides along a surface until the end of the flight, where gravity
     /// presses it against the surface with the speed `pressing`. The velocity of another movable disc
     /// counts as 0.
     /// Returns the change of the speed of the second surface along the first.
@@ -263,12 +275,16 @@ impl Simulation<'_> {
         pressing: f64,
     ) -> f64 {
         let mut rotor = self.rotor(number);
+        // Everything here is divided by the mass: 1 for the velocity of the centre and 2 for the
+        // surface of a disc.
         let softness = 1.0 + if rotor.softness > 0.0 { 2.0 } else { 0.0 };
         let side = if is_second { 1.0 } else { -1.0 };
         let tangent = touch.tangent();
         let carried = dot(tangent, touch.carried) - touch.carried_turning;
         let own = dot(tangent, segment.velocity) - side * rotor.surface_speed;
         let sliding = own + side * carried;
+        // Gravity presses for the rest of the flight, and friction acts for the same time at once,
+        // as `hold` does with gravity.
         let most = touch.friction * pressing;
         let change = (-sliding / softness).max(-most).min(most);
         segment.velocity = vector(|k| segment.velocity[k] + tangent[k] * change);

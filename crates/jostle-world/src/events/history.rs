@@ -69,6 +69,8 @@ impl Bounce {
 
 /// Inserts sorted bounces into sorted ones.
 pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) {
+    // A merge from the end, in place: the tail moves to its final place first, so nothing is
+    // overwritten before it is read. Only bounces after the first insertion move.
     let Some(&last) = more.last() else { return };
     let mut before = all.len();
     all.resize(before + more.len(), last);
@@ -126,6 +128,8 @@ impl History {
         let courses = &self.courses;
         let is_valid =
             |number: u32| course_of[courses[number as usize].index as usize] == mark | number;
+        // Bounces of discarded courses must not count. Impulses are sums over the history that
+        // holds, and not over guesses.
         if self.has_removed {
             // The disc of the course is one of the two. Bounces are sorted by their discs, so this reads
             // `course_of` in order, and no course.
@@ -142,6 +146,8 @@ impl History {
     fn island(&mut self, mut number: u32) -> u32 {
         while self.courses[number as usize].island != number {
             let next = self.courses[number as usize].island;
+            // Path halving keeps the trees flat without a second pass (R. E. Tarjan, J. van
+            // Leeuwen, 1984).
             self.courses[number as usize].island = self.courses[next as usize].island;
             number = next;
         }
@@ -155,6 +161,9 @@ impl History {
             return;
         }
         self.courses[other as usize].island = island;
+        // The members of an island are a ring. To exchange the successors of two members of
+        // different rings makes one ring of both. In the same ring it would make two, hence the
+        // test above.
         let [next, others] = [island, other].map(|number| self.courses[number as usize].next);
         self.courses[island as usize].next = others;
         self.courses[other as usize].next = next;
@@ -211,11 +220,13 @@ impl Carried {
         numbers.resize(course_of.len(), NONE);
         for (number, course) in (0..).zip(&history.courses) {
             let index = course.index as usize;
+            // A course without events says nothing that the first segment does not.
             if course_of[index] != mark | number || course.count == 0 {
                 continue;
             }
             let known = numbers[index] as usize;
             let turning = history.turnings.get(number as usize);
+            // [`NONE`] is larger than each number of a course, so one comparison tests both.
             if known < courses.len() {
                 courses[known] = *course;
                 turning.into_iter().for_each(|turning| turnings[known] = *turning);
@@ -274,6 +285,7 @@ impl Iterator for Trajectory<'_> {
 
     fn next(&mut self) -> Option<Part> {
         let (segment, before) = self.next?;
+        // [`NONE`] is beyond the end of the list, so `get` ends the chain.
         self.next = self.ended.get(before as usize).copied();
         let is_last = std::mem::take(&mut self.is_last);
         let part = Part { segment, end: self.end, is_first: before == NONE, is_last };

@@ -66,6 +66,8 @@ pub fn apply_jointly(
     velocities: &mut [Vector],
     impulses: &mut Vec<[f64; 2]>,
 ) {
+    // Over-relaxation is for chains of contacts, along which an impulse moves by one contact in a
+    // turn. A looser tolerance is enough: these velocities are those of discs that can hardly move.
     let joint = (MAX_JOINT_ITERATIONS, JOINT_TOLERANCE, JOINT_RELAXATION);
     iterate(joint, touches, velocities, impulses);
 }
@@ -80,6 +82,8 @@ pub fn project<'a>(
 ) {
     sums.resize(velocities.len(), ([0.0; 2], 0.0));
     for _ in 0..MAX_ITERATIONS {
+        // All corrections of a turn start from the same velocities and act at once. So the result
+        // does not depend on the order of contacts, and shares of opposite surfaces are equal.
         sums.fill(([0.0; 2], 0.0));
         let mut largest = 0.0f64;
         for touch in touches.clone() {
@@ -88,6 +92,8 @@ pub fn project<'a>(
             largest = largest.max(missing);
             for (which, sign) in [(0, -1.0), (1, 1.0)] {
                 if let Some(body) = touch.bodies[which] {
+                    // Each body takes the share of its inverse mass, as of an impulse. A surface
+                    // that nothing moves takes none.
                     let by = sign * missing * (touch.inverse_masses[which] / weight);
                     let (sum, count) = &mut sums[body];
                     *sum = vector(|k| sum[k] + by * touch.normal[k]);
@@ -100,6 +106,8 @@ pub fn project<'a>(
         }
         for (velocity, &(sum, count)) in velocities.iter_mut().zip(&*sums) {
             if count > 0.0 {
+                // The mean, and not the sum: with the sum, two contacts with nearly the same normal
+                // would move a body twice as far as needed.
                 *velocity = vector(|k| velocity[k] + sum[k] / count);
             }
         }
@@ -112,6 +120,8 @@ fn iterate(
     velocities: &mut [Vector],
     impulses: &mut Vec<[f64; 2]>,
 ) {
+    // The iteration ends before it is exact to the last bit, so its result depends on the order.
+    // The keys make the order that of the state.
     touches.sort_unstable_by_key(|touch| touch.key);
     // For each contact its impulse so far and the speed at which it has to separate.
     impulses.clear();
@@ -119,6 +129,8 @@ fn iterate(
     for touch in touches.iter() {
         let approach = touch.separation_speed(velocities);
         fastest = fastest.max(-approach);
+        // The wanted speed is that before any impulse. Computed again in each turn, it would follow
+        // the corrections, and restitution would act on them.
         impulses.push([0.0, -touch.restitution * approach.min(0.0)]);
     }
     let mut largest_before = f64::INFINITY;
@@ -127,15 +139,21 @@ fn iterate(
         for (touch, [impulse, wanted]) in touches.iter().zip(impulses.iter_mut()) {
             let missing = *wanted - touch.separation_speed(velocities);
             let weight = touch.inverse_masses[0] + touch.inverse_masses[1];
+            // The sum of the corrections is limited, and not each correction: an impulse that was
+            // too large may become smaller, but it never pulls.
             let new = (*impulse + relaxation * missing / weight).max(0.0);
             let change = new - *impulse;
             *impulse = new;
             touch.push(touch.normal, change, velocities);
             largest = largest.max(change.abs() * weight);
         }
+        // A contact alone is exact after one turn with the factor 1. Otherwise the end is relative
+        // to the fastest approach, so units of length and time do not matter.
         if touches.len() == 1 || largest <= tolerance * fastest {
             break;
         }
+        // Without a solution the changes do not become smaller, for instance for a disc between
+        // walls that close in. The iteration ends early there, and `share` divides what is left.
         if iteration % TESTED == 0 {
             if largest > CONVERGING * largest_before {
                 break;
@@ -149,6 +167,7 @@ impl Touch {
     /// The contact of two discs; `offset` is that of the second from the first.
     pub fn of_discs(pair: [u32; 2], code: u32, offset: Vector) -> Self {
         let length = dot(offset, offset).sqrt();
+        // Coincident centres have no normal; any fixed one keeps numbers finite.
         let normal = if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] };
         Self { key: [pair[0], pair[1], code], normal, ..Self::default() }
     }
@@ -186,6 +205,7 @@ impl Touch {
     pub fn push(&self, direction: Vector, impulse: f64, velocities: &mut [Vector]) {
         for (which, sign) in [(0, -1.0), (1, 1.0)] {
             if let Some(body) = self.bodies[which] {
+                // One impulse on both bodies with opposite signs conserves momentum to rounding.
                 let change = sign * impulse * self.inverse_masses[which];
                 velocities[body] = vector(|k| velocities[body][k] + change * direction[k]);
             }

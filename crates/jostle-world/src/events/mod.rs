@@ -121,16 +121,22 @@ pub struct Events {
 impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
     pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+        // The lists are taken out of `self`, because windows borrow them while `self` changes. They
+        // are put back at the end, so that their memory is reused in the next sub-step.
         let mut starts = std::mem::take(&mut self.starts);
         let mut now = std::mem::take(&mut self.now);
         let mut carried = std::mem::take(&mut self.carried);
         let mut anchors = std::mem::take(&mut self.anchors);
         let mut candidates = std::mem::take(&mut self.candidates);
         let before = std::mem::take(&mut self.exhausted);
+        // Discs that an earlier sub-step exhausted stay so until the end of the step. Otherwise a
+        // row that collapses would cost its full number of events in each sub-step.
         flight.fill(&mut starts, &before);
         let kept = flight.kept_velocities(&before);
         carried.clear();
         let (mut begin, mut horizon) = (0.0, bounds.horizon());
+        // A window has a least length, so that the number of windows of a sub-step is bounded.
+        // Halving stops there, however many impacts remain in the window.
         let mut shortest = horizon.min(flight.end) / MAX_WINDOWS;
         while begin < flight.end {
             // Before each window but the first of a sub-step all processes learn that one has failed,
@@ -138,6 +144,9 @@ impl Events {
             if begin > 0.0 && *self.has_too_many.get_mut() {
                 return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
             }
+            // The window is described with the state at its beginning. Nothing in it is rounded
+            // between windows: trajectories continue from `carried` in float64. So the schedule of
+            // windows does not change a result.
             let mut window = Window {
                 flight,
                 starts: &starts,
@@ -150,16 +159,24 @@ impl Events {
                 end: flight.end,
             };
             if begin > 0.0 {
+                // The first window reads `starts` itself. Later ones need present places in
+                // float32, for the early tests alone.
                 window.fill_now(&mut now);
                 window.now = &now;
             }
             if begin >= horizon {
+                // On a torus a disc must not be searched too far away, or it would meet images of
+                // itself. So the bounds of fast discs hold for a limited time, and are then made
+                // anew.
                 let seconds = self.renew(&window, bounds, &mut candidates, &mut anchors)?;
                 shortest = seconds / MAX_WINDOWS;
                 let is_last = seconds >= flight.end - begin;
                 horizon = if is_last { f64::INFINITY } else { begin + seconds };
             }
             if self.is_renewed {
+                // Renewed bounds lie around `anchors`, no longer around the positions at the
+                // beginning of the step. Distances must be measured from the same points as the
+                // bounds.
                 (window.anchors, window.candidates) = (Some(&anchors[..]), &candidates.pairs[..]);
             }
             window.end = window.end.min(horizon);
@@ -173,6 +190,8 @@ impl Events {
         if flight.halo.is_alone() && *self.has_too_many.get_mut() {
             return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
         }
+        // A disc that was exhausted and loses no energy stood still in the flight. It gets its
+        // velocity back here, so that the energy is conserved.
         for (index, velocity) in kept {
             flight.motions.set(index, Motion { velocity, ..flight.motions.get(index) });
         }
@@ -194,6 +213,8 @@ impl Events {
     ) -> Result<f64> {
         let flight = window.flight;
         let seconds = bounds.renew(window.now, flight.end - window.begin, candidates)?;
+        // All processes must have windows of the same length, because they compare trajectories
+        // window by window. So the process with the shortest horizon decides.
         let seconds = shortest_of_all(flight, seconds)?;
         anchors.clear();
         anchors.extend(window.now.iter().map(|of| of.position));
@@ -207,6 +228,8 @@ impl Events {
 
     /// Whether a disc of this process has more than [`MAX_COLLISIONS`] collisions in the step.
     pub fn has_too_many(&self) -> bool {
+        // Relaxed: the flag publishes no other data. The end of the parallel region that sets it
+        // orders the store before this load.
         self.has_too_many.load(Ordering::Relaxed)
     }
 
@@ -217,16 +240,28 @@ impl Events {
         bounds: &mut dyn Bounds,
         shortest: f64,
     ) -> Result<f64> {
+        // A window has five parts. First, each block finds the impacts along the first segments.
+        // Then these decide how long the window is. Each block is then simulated by itself. After
+        // that, conflicts between blocks are resolved. At last the results are collected.
+        // The second part needs the impacts of all blocks, so it is a barrier between two parallel
+        // regions.
         self.prepare(window.starts.len());
         window.end = end_for_the_fast(&window, shortest)?;
         bounds.begin_window();
         self.neighbors.begin_window();
+        // Neighbours that were found only because a disc left its bounds in the last window are
+        // forgotten. Those that may also meet later are kept.
         self.sensed_near.retain(|near| near.lasts);
         if !window.flight.bounded || window.begin > 0.0 || window.anchors.is_some() {
+            // Bounds grow before the first impacts are searched: these must include all discs that
+            // a first segment can reach. In the first window they hold by construction if `bounded`
+            // says so.
             find_outside_at_start(&window, bounds.max_displacements(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
         self.find_first_impacts_of_later(&window);
+        // A window with few first impacts has few conflicts. Blocks would otherwise simulate long
+        // histories that a disc of another block makes invalid.
         let (max_displacements, most) =
             (bounds.max_displacements(), most_impacts(window.starts.len()));
         self.each_block(&window, max_displacements, |block, mut arguments| {
@@ -238,16 +273,22 @@ impl Events {
             block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
+            // The simulation here is a guess: the length of the window is not known yet. A block
+            // with no more than its share of the allowed impacts takes the full window. If the
+            // window becomes shorter, `shorten` discards the history.
             if block.impacts_until([window.begin, window.end]) as u64 <= share {
                 block.simulate(&mut arguments);
             }
         });
         interrupt::check()?;
+        // The sum over all blocks does not depend on the order of summation, since it counts
+        // events. So the end of the window does not depend on threads.
         let end = self.end_of_window(&window, shortest)?;
         let is_shorter = end < window.end;
         window.end = end;
         self.each_block(&window, max_displacements, |block, mut arguments| {
             if is_shorter {
+                // The courses refer to events after the new end, so none of them is valid.
                 arguments.course_of.fill(NONE);
                 block.shorten(&window);
             }
@@ -256,6 +297,8 @@ impl Events {
             }
         });
         interrupt::check()?;
+        // From here on all blocks have a history. Only after conflicts are resolved are the
+        // trajectories correct: what reads them must come later.
         self.resolve_conflicts(&window, bounds)?;
         self.find_outside_limits(&window);
         self.find_sensed(&window);
@@ -295,6 +338,8 @@ impl Events {
     pub fn take_pairs(&mut self, len: usize, lists: &[PairList], threads: Option<usize>) {
         self.size = block::size(len, threads);
         self.is_renewed = false;
+        // The images of a step are offsets in float32, so that they are the same numbers in the
+        // tests in float32 and in float64.
         let offsets = lists.iter().map(|(image, _)| image.map(f64::from));
         self.neighbors.fill(len, (lists, offsets), self.size, threads);
     }
@@ -303,6 +348,8 @@ impl Events {
     fn prepare(&mut self, len: usize) {
         self.again.clear();
         self.blocks.resize_with(len.div_ceil(self.size), Block::default);
+        // All blocks but the last have the same size, so the block of a disc follows from its
+        // index.
         let starts = (0..).step_by(self.size);
         for (number, (block, start)) in self.blocks.iter_mut().zip(starts).enumerate() {
             block.begin_window(number, start..(len as u32).min(start + self.size as u32));
@@ -318,12 +365,18 @@ impl Events {
         max_displacements: &[f32],
         act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
     ) {
+        // `course_of` is divided into one part for each block, so that no two threads can write to
+        // the same part. The borrow checker proves this; no lock is needed.
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
         let blocks = self.blocks.iter_mut().zip(self.course_of.chunks_mut(self.size));
         parallel::for_each(window.flight.threads, blocks, |(block, course_of)| {
+            // The caller returns an error after an interruption and discards all histories. So
+            // blocks that have not begun may be left out.
             if stop.is_set() {
                 return;
             }
+            // A pool, and not one scratch for each block: there are many blocks and few threads.
+            // The lock is held for a `pop` and a `push` for each block only.
             let mut scratch = locked(pool).pop().unwrap_or_default();
             let (scratch_of, stop) = (&mut scratch, &stop);
             act(
@@ -356,6 +409,8 @@ impl Events {
         if number == NONE {
             return None;
         }
+        // The highest bit of the number tells in which list the course is. One array for all discs
+        // is enough then, and a disc has exactly one valid course.
         let history = match number & AGAIN {
             0 => &self.blocks[index as usize / self.size].history,
             _ => &self.again,
@@ -369,6 +424,8 @@ impl Events {
         let is_moved = window.flight.keeps_starts();
         let turns = !window.flight.spins.is_empty();
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
+            // If nothing reads the motions later, each block has already moved its discs while they
+            // were in the cache. See `Block::simulate`.
             if !is_moved {
                 let range = block.range.start as usize..block.range.end as usize;
                 block.move_discs(window, &course_of[range]);
@@ -377,6 +434,8 @@ impl Events {
                 if window.starts[index as usize].is_movable {
                     let number = course_of[index as usize];
                     let history = if number & AGAIN != 0 { again } else { &block.history };
+                    // [`NONE`] has the mark, too, and its number is beyond the end of each list.
+                    // Then nothing is found, and the disc turns as it did.
                     let found = history.turnings.get((number & !AGAIN) as usize);
                     let turning = found.copied().unwrap_or_else(|| window.turning(index));
                     window.turn(index, &turning);
@@ -384,6 +443,8 @@ impl Events {
             }
         });
         for (number, course) in (0..).zip(&again.courses) {
+            // A disc may have been simulated again several times. Only the course that `course_of`
+            // names is valid.
             if course_of[course.index as usize] == AGAIN | number {
                 window.move_disc(course.index, &course.segment, course.stopped);
             }
@@ -394,9 +455,15 @@ impl Events {
     fn collect(&mut self, window: &Window<'_>) {
         let course_of = &self.course_of;
         let halo = window.flight.halo;
+        // Only valid courses are counted. Events of histories that were discarded are not a
+        // property of the state, and depend on blocks.
         let count = |counts: &mut u32, course: &Course| {
             *counts += course.count;
+            // Ghosts do not count: their owner decides about them, so that all processes refuse the
+            // same steps.
             if *counts > MAX_COLLISIONS && halo.owns(course.index) {
+                // Relaxed: the flag only becomes true, and nothing else is read by its value. The
+                // end of the region makes it visible to the caller.
                 self.has_too_many.store(true, Ordering::Relaxed);
             }
         };
@@ -415,12 +482,17 @@ impl Events {
             }
         }
         self.again.retain(AGAIN, course_of);
+        // The exhausted discs are sorted when the sub-step ends, and the collapsed ones are only
+        // counted. So the order of these lists does not matter.
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.exhausted.extend(&history.exhausted);
             let index = |&number: &u32| history.courses[number as usize].index;
             self.collapsed.extend(history.collapsed.iter().map(index));
         }
         // Those of one window are sorted, for the most part.
+        // Each block has sorted its own bounces in parallel, and blocks have ascending indices. Few
+        // bounces belong to discs that were simulated again, so an insertion costs less than a sort
+        // of all.
         self.blocks.iter().for_each(|block| self.bounced.extend(&block.history.bounces));
         self.again.bounces.sort_unstable_by(Bounce::order);
         history::insert(&mut self.bounced, &self.again.bounces);

@@ -96,6 +96,7 @@ impl Images {
 
     /// The number of an offset; new ones are added together with their opposites.
     fn number(&mut self, offset: Vector) -> u32 {
+        // Image 0 is its own opposite, so it takes two numbers, and k ^ 1 holds for all others.
         if offset == [0.0; 2] {
             return 0;
         }
@@ -103,6 +104,8 @@ impl Images {
             return number;
         }
         let number = self.offsets.len() as u32;
+        // Both directions get their numbers together, so that `opposite` is one operation without a
+        // table.
         for (number, offset) in [(number, offset), (number + 1, offset.map(|v| -v))] {
             self.offsets.push(offset);
             self.numbers.insert(Self::bits(offset), number);
@@ -130,6 +133,8 @@ impl Part {
                 at += 1;
                 continue;
             }
+            // The search writes pairs in tree order, so most of a list are long runs of one block.
+            // A run is stored as a range, and no pair is copied.
             let run = pairs[at..].iter().take_while(|[a, b]| is_inside(*a) & is_inside(*b));
             let end = at + run.count();
             self.inside.push((block, start + at as u32..start + end as u32));
@@ -158,6 +163,8 @@ impl NearBlock {
         starts.resize(*len + 1, 0);
         starts[0] = 0;
         all.resize(of_inside_len + across.len(), Neighbor::default());
+        // Sorting by counting keeps the order of the input within each disc. So the order of
+        // neighbours follows from the lists of pairs.
         sorting::counting_sort(
             of_inside.chain(of_across),
             |&(disc, ..)| offset(disc),
@@ -203,6 +210,8 @@ impl Neighbors {
         let count = chunks().count();
         parts.resize_with(parts.len().max(count), Part::default);
         let parts = &mut parts[..count];
+        // Each thread sorts its own chunk of pairs into its own part. No two threads write to the
+        // same block.
         let tasks = parts.iter_mut().zip(chunks());
         parallel::for_each(threads, tasks, |(part, (_, (pairs, start)))| {
             part.fill(pairs, start, size as u32);
@@ -214,6 +223,8 @@ impl Neighbors {
             block.inside.clear();
             block.across.clear();
         }
+        // The parts are joined on one thread in their order. The lists of a block are then the same
+        // for any number of threads.
         for (part, (list, _)) in parts.iter().zip(chunks()) {
             let code = codes[list as usize];
             for (block, range) in &part.inside {
@@ -321,15 +332,18 @@ impl Neighbors {
                 (a, Neighbor { index: b, image }),
                 (b, Neighbor { index: a, image: opposite(image) }),
             ];
+            // A pair twice in the list would have two events at the same moment.
             if self.is_near_at_start(&both[0]) {
                 continue;
             }
+            // One direction only: a new pair is tested once for a conflict.
             new.push(both[usize::from(b < a)]);
             if lasts {
                 self.lasting.extend(both);
             }
         }
         new.sort_unstable_by_key(key);
+        // Both discs may have left their bounds and found each other.
         new.dedup_by_key(|pair| key(pair));
         new.retain(|pair| self.later.binary_search_by_key(&key(pair), key).is_err());
         for &(a, Neighbor { index: b, image }) in new.iter() {
@@ -353,6 +367,7 @@ impl Neighbors {
         let key = |&(of, found): &(u32, Neighbor)| (of, found.index, found.image);
         lasting.sort_unstable_by_key(key);
         lasting.dedup_by_key(|pair| key(pair));
+        // The memory of `later` is kept, so a window allocates nothing here.
         later.clone_from(lasting);
         has_later.fill(false);
         later.iter().for_each(|&(of, _)| has_later[of as usize] = true);

@@ -21,6 +21,8 @@ impl Events {
             return;
         }
         let lists = sensed.iter();
+        // Trajectories are final here, and this test changes none. So it needs no repetition, and
+        // each pair is tested alone.
         let parts: Vec<_> = lists
             .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(move |part| (*image, part)))
             .collect();
@@ -53,6 +55,7 @@ impl Events {
         let contact_distance = window.contact_distance(pair[0], pair[1]);
         self.any_at_once(window, pair, |own: &Part, other: &Part| {
             let both = Relative::of(&own.segment, &other.segment, image, window.gravity());
+            // Sensors touch also if they separate, so there is no limit for slow approaches.
             both.touches(contact_distance, own.end.min(other.end))
         })
     }

@@ -15,10 +15,14 @@ impl Events {
     /// counted by the process of the first.
     pub(super) fn end_of_window_of_all(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
         let halo = window.flight.halo;
+        // The ends of all possible windows are tested at once: one message between the processes
+        // instead of one for each halving.
         let mut ends = [window.end; LENGTHS];
         let mut early = [0; LENGTHS];
         let length = window.end - window.begin;
         for (number, end) in ends.iter_mut().enumerate().skip(1) {
+            // A power of two, so each product is exact, and the ends have the same bits as those of
+            // repeated halving.
             *end = window.begin + length * 0.5f64.powi(number as i32);
         }
         let all = self.blocks.iter().flat_map(|block| block.first.iter().chain(&block.crossing));

@@ -103,9 +103,18 @@ impl Simulation<'_> {
     /// of all, and the events of `discs`.
     pub fn run(mut self, first: &[Event], discs: &[u32]) {
         let window = self.window;
+        // This is the algorithm of Alder and Wainwright with one queue. An event is executed only
+        // if neither of its discs has had another event since the prediction. Executed in the order
+        // of time, no event can come too late: predictions never lie before the event that leads to
+        // them.
         self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end));
+        // Each of these discs gets a course at once, also if it will have no event. The search for
+        // new conflicts visits all courses of the repetition, and a disc that lost its events may
+        // meet others on its new way.
         discs.iter().for_each(|&disc| _ = self.course(disc));
         for &disc in discs {
+            // The group of one disc is used for its list of neighbours only; nothing happens at the
+            // start.
             self.join(disc, None);
             self.predict(0);
             self.dissolve();
@@ -113,7 +122,12 @@ impl Simulation<'_> {
         let mut work = 0;
         while let Some(event) = self.scratch.queue.pop() {
             let count = |index: u32| self.find(index).map_or(0, |own| own.count);
+            // Events are not removed from the queue when a disc turns; that would need a search.
+            // Instead each event has the numbers of events that its discs had. A number that has
+            // changed makes the event invalid. For a wall both numbers are 0.
             if event.pair.map(count) == event.counts {
+                // Most events are one contact of one or two discs. These have paths without lists,
+                // which give the same bits and give up, without a change, if anything else touches.
                 let is_simple = self.collide_two(&event) || self.collide_alone(&event);
                 work += if is_simple { 1 } else { self.happen(&event) };
             }
@@ -122,6 +136,9 @@ impl Simulation<'_> {
                 let count = self.find(event.pair[0]).map_or(0, |own| own.count);
                 count > MAX_COLLISIONS && window.flight.halo.is_alone()
             };
+            // To read the shared flag after each event would cost more than the simplest events.
+            // The limit of collisions ends a simulation that would take very long, and whose step
+            // is refused in any case.
             if work >= POLL_EVERY && (self.stop.is_set() || has_too_many()) {
                 break;
             }
@@ -132,7 +149,11 @@ impl Simulation<'_> {
     /// The number of the course of a disc, if it takes part and has one.
     #[inline(always)]
     pub(super) fn number(&self, index: u32) -> Option<u32> {
+        // For an index below the range the difference wraps to a large number, so one comparison
+        // tests both ends.
         let number = *self.course_of.get(index.wrapping_sub(self.range.start) as usize)?;
+        // A course of an earlier simulation in the same list has a number below `base`. Its disc
+        // takes no part: its trajectory is fixed until a test finds a conflict.
         let own = number.wrapping_sub(self.mark);
         (self.base..self.history.courses.len() as u32).contains(&own).then_some(own)
     }
@@ -151,6 +172,9 @@ impl Simulation<'_> {
             let course = &self.history.courses[number as usize];
             return Some((number, course.segment, course.count));
         }
+        // Discs of other blocks do not take part, even if they are near. Their trajectories are not
+        // known yet; conflicts with them are found after all blocks were simulated. An immovable
+        // disc has the same trajectory in each block, so each block may use it.
         let takes_part = match self.course_of.get(index.wrapping_sub(self.range.start) as usize) {
             Some(&number) => number == NONE,
             None => !self.window.starts[index as usize].is_movable,
@@ -164,8 +188,11 @@ impl Simulation<'_> {
             return number;
         }
         let number = self.history.courses.len() as u32;
+        // The recent events and the state of exhaustion continue from earlier windows. The count
+        // begins with 0, because queues hold only events of this window.
         let carried = self.window.carried(index);
         self.course_of[(index - self.range.start) as usize] = self.mark + number;
+        // A new course is an island of its own: parent and successor are itself.
         self.history.courses.push(Course {
             index,
             count: 0,
@@ -199,12 +226,19 @@ impl Simulation<'_> {
             self.touch_disc(index, partner, code, time);
         }
         if kind == Kind::Hold {
+            // A hold ends an infinite sequence of bounces of two surfaces. It concerns these two
+            // alone: others that touch have events of their own at the same moment.
             self.scratch.touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
         } else {
+            // Contacts at the same moment are solved as one problem. One after the other, the
+            // result would depend on their order, and a symmetric impact would not have a symmetric
+            // result.
             self.find_simultaneous(time);
         }
         self.bounce(time, kind);
         // Discs of the group may have got their courses after they were listed.
+        // A disc that joined the group later has a course now. `predict` uses its new segment, and
+        // not the one that was listed.
         for at in 0..self.scratch.nearby.len() {
             let number = self.number(self.scratch.nearby[at].index);
             self.scratch.nearby[at].number = number.unwrap_or(NONE);
@@ -224,6 +258,8 @@ impl Simulation<'_> {
         let at = |segment: &Segment| time.map_or(*segment, |time| segment.moved(time, gravity));
         let number = self.course(index);
         let position = self.scratch.group.len();
+        // The position plus one is stored, so that 0 means "in no group" and the test needs no
+        // search.
         if self.history.courses[number as usize].in_group != 0 {
             return;
         }
@@ -231,13 +267,19 @@ impl Simulation<'_> {
         let is_joint = self.is_joint(course, time.unwrap_or(self.window.begin));
         let own = &mut self.history.courses[number as usize];
         own.in_group = position as u32 + 1;
+        // The mark stays for the window: the search for conflicts then also counts contacts that do
+        // not approach, as the joint solution does.
         own.is_joint |= is_joint;
+        // All members are moved to the same moment once. Later tests subtract positions of one
+        // time, without a difference of times.
         let now = at(&own.segment);
         let start = self.scratch.nearby.len();
         neighbors.of(index, |neighbor| {
             let Neighbor { index, image } = *neighbor;
             let Some((number, segment, count)) = self.current(index) else { return };
             let now = at(&segment);
+            // Neighbours are listed before the bounce, because the same list serves the search for
+            // simultaneous contacts and the predictions after it.
             self.scratch.nearby.push(Nearby { index, number, image, count, now });
         });
         let near = start..self.scratch.nearby.len();
@@ -260,6 +302,8 @@ impl Simulation<'_> {
         let courses = &self.history.courses;
         let course = &courses[*number as usize];
         let Course { segment: own, count: own_count, .. } = course;
+        // A disc that has ended has no events of its own, but others still hit it as an immovable
+        // one. So only pairs of two such discs, and their walls, are left out.
         let has_ended = window.has_ended(course);
         let is_without_room =
             |wall: u32| *is_joint && approaches_still(touches, velocities, [*index, WALL, wall]);
@@ -281,6 +325,8 @@ impl Simulation<'_> {
                     are_joint |= group[course.in_group as usize - 1].is_joint;
                 }
                 // The impacts of two discs of the group are predicted once.
+                // Members of the group are visited in ascending order. The pair of two members
+                // belongs to the one that comes first.
                 let is_predicted = course.in_group != 0 && (course.in_group as usize) <= position;
                 if is_predicted || has_ended && window.has_ended(course) {
                     continue;
@@ -291,6 +337,9 @@ impl Simulation<'_> {
             let image = self.neighbors.image_of(other.image);
             let both = ((*index, own), (other.index, segment));
             if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
+                // The joint solution may leave a small approach, because its iteration ends early
+                // or no solution exists. The same impact at the same moment would be found again
+                // without end.
                 if are_joint && impact.time == own.time && was_solved(other.index) {
                     continue;
                 }
@@ -305,6 +354,8 @@ impl Simulation<'_> {
     fn find_simultaneous(&mut self, time: f64) {
         let window = self.window;
         let mut position = 0;
+        // The group grows during the loop: a disc that joins may touch further discs. Each is
+        // visited once, so the loop ends.
         while position < self.scratch.group.len() {
             let InGroup { index, is_joint, now, near, .. } = self.scratch.group[position].clone();
             position += 1;
@@ -323,12 +374,17 @@ impl Simulation<'_> {
                 let image = self.neighbors.image_of(code);
                 let has_joint = |other: &Course| self.is_joint(other, time);
                 let was_exhausted = || window.was_exhausted(partner);
+                // A joint problem also needs contacts that touch and do not approach. An impulse
+                // from one side would press the disc into the other side, and an event at the same
+                // moment would follow.
                 let all = || is_joint || self.find(partner).map_or_else(was_exhausted, has_joint);
                 if !window.touch_now((index, &now), (partner, there), image, all) {
                     continue;
                 }
                 // Contacts with those before were found from their side.
                 let in_group = self.find(partner).map_or(0, |other| other.in_group as usize);
+                // `position` is already that of the next member, so this leaves out members before
+                // the present one.
                 if in_group == 0 || in_group >= position {
                     self.touch_disc(index, partner, code, time);
                 }
@@ -375,6 +431,8 @@ impl Simulation<'_> {
             self.join(partner, Some(time));
         }
         // From the smaller index to the larger, so that both give the same numbers.
+        // Normal and offset have a direction, and their rounding depends on it. One fixed order
+        // makes the impulse the same, whichever disc predicted the event.
         let (pair, code) = if index < partner {
             ([index, partner], code)
         } else {
@@ -390,6 +448,8 @@ impl Simulation<'_> {
         let (mut carried, mut carried_turning) = ([0.0; 2], 0.0);
         for (k, sign) in [(0, -1.0), (1, 1.0)] {
             if found[k].is_none() {
+                // The velocity of an immovable surface enters as a constant of the relative
+                // velocity. Then the solver needs no bodies of infinite mass.
                 carried = now[k].velocity.map(|v| sign * v);
                 carried_turning = window.surface_speed(pair[k]);
             }
@@ -413,6 +473,9 @@ impl Simulation<'_> {
     /// Adds a contact of this moment, unless it is the one whose event it is.
     fn add(&mut self, touch: Touch) {
         let touches = &mut self.scratch.touches;
+        // The event's own contact is the first of the list, and the search for simultaneous
+        // contacts finds it a second time. Twice in the list it would get its impulse in two
+        // shares, and slow down the iteration.
         let is_it = |first: &Touch| first.key == touch.key && first.is_same(&touch);
         if !touches.first().is_some_and(is_it) {
             touches.push(touch);
@@ -422,6 +485,8 @@ impl Simulation<'_> {
     /// The impulses of a contact of this moment along its normal and of friction.
     pub(super) fn impulses_of(&self, touch: usize) -> [f32; 2] {
         let [normal, friction] =
+            // Infinite impulses would make sums that are no numbers. The clamp keeps results finite
+            // for bodies of extreme masses.
             self.scratch.impulses[touch].map(|impulse| (impulse as f32).clamp(f32::MIN, f32::MAX));
         [normal, if self.window.flight.has_friction { friction } else { 0.0 }]
     }
@@ -442,6 +507,8 @@ impl Simulation<'_> {
         let window = self.window;
         let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
         velocities.clear();
+        // The velocities are in an array beside the group, because the solver needs nothing else of
+        // a disc.
         velocities.extend(group.iter().map(|own| own.now.velocity));
         let is_joint = group.iter().any(|own| own.is_joint);
         if is_joint {
@@ -450,6 +517,8 @@ impl Simulation<'_> {
             impulses::apply(touches, velocities, impulses);
         }
         if window.flight.has_friction {
+            // Friction comes after the impulses along normals, because these limit it. In a joint
+            // problem the rest of approach is shared out after that.
             self.rub_group(time);
         }
         if is_joint {
@@ -466,6 +535,8 @@ impl Simulation<'_> {
         self.note_group();
         for position in 0..self.scratch.group.len() {
             let InGroup { number, now, .. } = self.scratch.group[position];
+            // The velocities of all members depend on each other from here on. If one of them must
+            // be simulated again, so must all: the island is the unit of rollback.
             self.history.connect(self.scratch.group[0].number, number);
             if self.has_ended(self.scratch.group[position].index) {
                 continue;
@@ -484,12 +555,16 @@ impl Simulation<'_> {
     /// depend on all of them.
     fn note_group(&mut self) {
         let Scratch { group, velocities, .. } = &*self.scratch;
+        // A process may not know all members of a group. The digest of their states then differs
+        // from that of the other processes.
         if group.len() < 3 || self.window.flight.halo.is_alone() {
             return;
         }
         let member = |(own, new): (&InGroup, &Vector)| {
             digest_all(0, [own.now.position, own.now.velocity, *new].into_iter().flatten())
         };
+        // A sum, because the order of members differs between processes and addition does not
+        // depend on it.
         let all = group.iter().zip(velocities).map(member).fold(0, u64::wrapping_add);
         for own in group {
             let groups = &mut self.history.courses[own.number as usize].groups;
@@ -512,10 +587,13 @@ impl Simulation<'_> {
             let before = [now.position, now.velocity];
             let speeds = temperatures.speeds(wall, inverse_mass, time, before);
             let Some([leaving, along]) = speeds else { continue };
+            // The normal of the contact points to the wall; that of the formula points to the disc.
             let [x, y] = touch.normal.map(|v| -v);
             let own = [leaving * x - along * y, leaving * y + along * x];
             let new = vector(|k| own[k] + touch.carried[k]);
             let change = vector(|k| new[k] - velocities[body][k]);
+            // The recorded impulse includes what the temperature adds, so that the impulses of
+            // walls are the change of momentum.
             impulse[0] += dot(change, [x, y]) / inverse_mass;
             velocities[body] = new;
             is_any = true;
@@ -528,6 +606,9 @@ impl Simulation<'_> {
         let (number, touch) = (self.scratch.group[position].number, self.scratch.touches[0]);
         let is_second = touch.bodies[1] == Some(position);
         let normal = touch.normal.map(|v| if is_second { v } else { -v });
+        // From now on the disc does not fall: the surface balances gravity until the flight ends.
+        // The speed that gravity would give in this time, times the mass, is the impulse on the
+        // surface.
         let pressing = -hold(segment, normal, self.window.gravity(), left);
         let inverse_mass = self.history.courses[number as usize].inverse_mass;
         self.scratch.impulses[0][0] += pressing.max(0.0) / inverse_mass;
@@ -542,16 +623,24 @@ impl Simulation<'_> {
         let window = self.window;
         let History { courses, ended, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
+        // The distance is measured on the old segment, so this comes before the segment is
+        // replaced.
         course.count_recent(&new, window.radius(course.index), window.flight.end);
+        // Ended segments form a chain through one list for all courses. A vector for each disc
+        // would need an allocation for each.
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
         course.segment = new;
         course.count += 1;
+        // It may stop the disc. So the test of bounds below reads the course again, and not `new`.
         self.exhaust_if_many(number);
         let History { courses, outside, .. } = &mut *self.history;
         let course = &courses[number as usize];
         let square = window.longest_square(window.anchor(course.index), &course.segment);
         let max_displacement = f64::from(self.max_displacements[course.index as usize]);
+        // The neighbours of a disc are complete only within its bounds. The simulation goes on as
+        // if they were complete. Afterwards the bounds grow, and the new neighbours are tested as
+        // conflicts.
         if square > max_displacement * max_displacement {
             let Course { index, segment, .. } = *course;
             outside.push(Outside { index, distance: square.sqrt(), segment });
@@ -565,6 +654,8 @@ fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) -> f6
     if segment.falls {
         let g = gravity.map(|g| g * left);
         let pressing = dot(g, normal);
+        // All of gravity along the surface is applied at once. The path is then a straight line,
+        // and its error is of the first order in the sub-step.
         segment.velocity = vector(|k| segment.velocity[k] + (g[k] - pressing * normal[k]));
         segment.falls = false;
         return pressing;

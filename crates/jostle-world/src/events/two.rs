@@ -38,10 +38,14 @@ impl Simulation<'_> {
     pub(super) fn collide_two(&mut self, event: &Event) -> bool {
         let window = self.window;
         let Event { time, kind, code, pair: discs, .. } = *event;
+        // A partner that cannot move has no course, and its velocity enters the contact in another
+        // way.
         let are_discs = discs[1] != WALL && window.starts[discs[1] as usize].is_movable;
         if kind != Kind::Bounce || !are_discs {
             return false;
         }
+        // New courses may stay without an event if this returns false. `happen` then finds them and
+        // adds the event.
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
         let needs_group =
@@ -68,15 +72,21 @@ impl Simulation<'_> {
             ..Touch::of_discs(pair, code, offset)
         };
         let mut velocities = now.map(|now| now.velocity);
+        // With one contact the iteration ends after one turn, so the result is the closed formula
+        // for two discs.
         impulses::apply(&mut [touch], &mut velocities, &mut self.scratch.impulses);
         if window.flight.has_friction {
             self.rub(&[touch], numbers.into_iter(), &mut velocities);
         }
         let turned = |k: usize| Segment { velocity: velocities[k], is_first: false, ..now[k] };
         let new = [turned(0), turned(1)];
+        // The predictions and the search for other contacts visit the same neighbours, so they are
+        // one pass. If another contact is found, the predictions are dropped and nothing has
+        // changed.
         if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
             return false;
         }
+        // An island is what a rollback takes together; see `Simulation::bounce`.
         self.history.connect(numbers[0], numbers[1]);
         if window.flight.has_friction {
             self.set_rotors(numbers.into_iter(), time);
@@ -132,12 +142,17 @@ impl Simulation<'_> {
     ) -> bool {
         let (window, neighbors) = (self.window, self.neighbors);
         let Turned { index, now, new, count } = *own;
+        // The early tests look as far as the window, not the flight: what happens later is
+        // predicted in the next window.
         let span = (window.end - time) as f32;
+        // The test in float32 leaves out most neighbours before anything is computed in float64.
         let own_now = Now::of(new, window.radius(index));
         let mut is_alone = true;
         let [touches, hits] = window.may_touch_wall(index, &own_now, span, left);
         if touches {
             let contacts = &mut self.scratch.contacts;
+            // `now` has the velocity before the impact. A wall that the disc approaches with it
+            // belongs to the same moment.
             window.each_touched_wall(index, now, false, contacts, |wall, normal| {
                 is_alone &= is_known(wall, normal);
             });
@@ -161,9 +176,12 @@ impl Simulation<'_> {
                         None => window.first_at(other, time),
                     };
                     let image = image.map(|v| v as f32);
+                    // The early test covers both questions: whether they touch now and whether they
+                    // meet later.
                     if !own_now.may_meet(&there, image, span) {
                         return;
                     }
+                    // Discs that take no part are found later, as conflicts.
                     let Some((_, segment, count)) = self.current(other) else { return };
                     let moved = segment.moved(time, window.gravity());
                     (moved, moved, count, false)

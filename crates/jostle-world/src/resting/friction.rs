@@ -15,6 +15,7 @@ impl Block {
         let zero = simd.splat(0.0);
         let [impacts, impulses] = &mut self.friction_impulses;
         simd.store(zero, impacts);
+        // A contact that has ended must not begin again with its old friction.
         simd.store(simd.choose(self.resting, simd.load(impulses), zero), impulses);
     }
 
@@ -32,6 +33,7 @@ impl Block {
         let [au, zero] = simd.gather(surface_speeds.words(), &self.indices, 0);
         let [bu, _] = simd.gather(surface_speeds.words(), &self.indices, 1);
         let [ax, ay, bx, by] = velocities;
+        // −0 − v is −v for each v, with the sign of zeros; 0 − v would turn 0 into 0.
         let tx = simd.sub(simd.splat(-0.0), simd.load(&self.normal[1]));
         let ty = simd.load(&self.normal[0]);
         // The limit is that of the same phase: the impulse of an impact does not make what rests stick.
@@ -54,6 +56,8 @@ impl Block {
             let most = simd.splat(f32::MAX);
             simd.max(simd.min(simd.sub(new, old), most), simd.splat(f32::MIN))
         };
+        // An impulse along the surface turns both discs in the same sense, so both surface speeds
+        // change with the same sign.
         let au = simd.sub(au, simd.mul(change, simd.load(&self.softness[0])));
         let bu = simd.sub(bu, simd.mul(change, simd.load(&self.softness[1])));
         simd.scatter([au, zero], surface_speeds.words(), &self.indices, 0);

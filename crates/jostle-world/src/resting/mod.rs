@@ -131,6 +131,8 @@ fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
 impl Support<'_> {
     /// The impulses of walls on a particle in the sub-step before.
     fn impulses_before(&self, index: usize) -> &[WallImpulse] {
+        // The list is sorted by rows, so a binary search finds those of a particle. Rows do not
+        // change within a step; indices change from step to step.
         let (row, all) = (self.rows[index], self.wall_impulses);
         let rest = &all[all.partition_point(|of| of.row < row)..];
         &rest[..rest.iter().take_while(|of| of.row == row).count()]
@@ -157,6 +159,8 @@ impl Support<'_> {
         let mut count = 0;
         for index in indices {
             let position = self.motions.position(index as u32);
+            // No contact farther away can rest, by the rule. The distance is in proportion to what
+            // gravity gives, so it has no unit of its own.
             let far = FARTHEST * kicks[index].speed * h;
             // Twice the distance, so that rounding does not matter.
             let is_inside = inner.contains(position, 2.0 * far + self.particles.radii[index]);
@@ -188,6 +192,8 @@ impl Resting {
         springs: &mut SpringSolver,
         kicks: &mut [Kick],
     ) -> Result<()> {
+        // The order of a sub-step: velocities without contacts, springs that are held, the contacts
+        // that rest, the iterations, and then kicks for the flight. Positions do not change here.
         self.begin(scene, kicks);
         self.begin_held(scene, springs, kicks);
         self.find_starts(scene, &mut contacts.blocks.list);
@@ -210,6 +216,7 @@ impl Resting {
                 (scene.rows[walls.index as usize], scene.particles.masses[walls.index as usize]);
             to.extend(walls.impulses(row, mass));
         }
+        // The next sub-step searches by rows.
         to.sort_unstable_by_key(|of| (of.row, of.wall));
         self.end(scene, had_impacts, kicks);
         Ok(())
@@ -243,8 +250,11 @@ impl Resting {
                     kick.speed = if has_kick { speed_of(kick) } else { without_kick };
                 }
             }
+            // Relaxed: the value is read after the region, whose end orders it. One access for each
+            // chunk, and not for each particle, keeps threads from waiting for one cache line.
             any_kick.fetch_or(any, Ordering::Relaxed);
         });
+        // A pile under gravity alone needs no column of speeds, and the kernel saves two gathers.
         self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick);
         if self.speed_of_all.is_none() {
             self.list_speeds(scene, kicks);
@@ -322,10 +332,13 @@ impl Resting {
             duration: scene.flow.duration as f32,
             has_friction: scene.has_friction,
         };
+        // Each block is written by one thread, and reads only the state at the beginning. So blocks
+        // of all colours can begin in parallel.
         let size = BLOCKS_OF_A_THREAD;
         let threads = if blocks.len() <= size { Some(1) } else { scene.threads };
         let any = AtomicBool::new(false);
         parallel::for_each(threads, blocks.chunks_mut(size), |blocks| {
+            // Relaxed: only the final value counts, and the end of the region makes it visible.
             any.fetch_or(starts.run(blocks), Ordering::Relaxed);
         });
         self.is_fast = any.into_inner();
@@ -355,6 +368,7 @@ impl Resting {
                 walls
                     .extend(near.filter_map(|index| Walls::of(index, scene, &kicks[index], found)));
             });
+            // Joined in the order of particles, whichever thread has made a part.
             parts.iter_mut().for_each(|part| walls.append(&mut part.walls));
             walls.len()
         };
@@ -384,6 +398,8 @@ impl Resting {
                 let impacted = if had_impacts { self.after_impacts.get(index) } else { old };
                 let from_old = |v: [f32; 2]| [0, 1].map(|k| f64::from(v[k]) - f64::from(old[k]));
                 // The sum that [`State::accelerate`] has written: nothing at rest has changed it.
+                // Equality to the bit is the test for "no contact has pushed". The same sum of the
+                // same numbers has the same bits; a tolerance would take small impulses away.
                 if new == sum(impacted, scene.change(kick).map(|v| v as f32)) {
                     if impacted != old {
                         let by = from_old(impacted);
@@ -391,6 +407,8 @@ impl Resting {
                     }
                     continue;
                 }
+                // The whole change acts before the flight, so the particle flies straight with the
+                // velocity at the end of the sub-step. It is that for which gaps do not close.
                 kick.before = from_old(new);
                 kick.after = [0.0; 2];
                 kick.is_supported = true;
@@ -401,6 +419,8 @@ impl Resting {
     /// Writes the angular velocity of a particle, if friction has changed it.
     fn set_spin(&self, scene: &Support<'_>, index: usize) {
         let new = self.surface_speeds.get(index as u32);
+        // Product and quotient with the radius do not return the same bits, so a disc without
+        // friction keeps its angular velocity.
         if new != scene.surface_speed(index) {
             scene.spins.set_velocity(index as u32, new / scene.particles.radii[index]);
         }

@@ -54,6 +54,8 @@ impl Block {
     /// The velocities of the first and of the second particles: x and y of each.
     #[inline(always)]
     fn velocities<S: Simd<f32>>(&self, simd: S, of: &Vectors) -> [S::Block; 4] {
+        // Velocities stay in one array for all contacts, and each block gathers and scatters them.
+        // Copies in blocks would have to be exchanged after each colour.
         let [ax, ay] = simd.gather(of.words(), &self.indices, 0);
         let [bx, by] = simd.gather(of.words(), &self.indices, 1);
         [ax, ay, bx, by]
@@ -63,6 +65,8 @@ impl Block {
     /// impulses times 0. Several threads may write the same value.
     #[inline(always)]
     fn set_velocities<S: Simd<f32>>(&self, simd: S, [ax, ay, bx, by]: [S::Block; 4], of: &Vectors) {
+        // Movable particles are in one lane of one block of a colour, so no scatter overwrites
+        // another's result.
         simd.scatter([ax, ay], of.words(), &self.indices, 0);
         simd.scatter([bx, by], of.words(), &self.indices, 1);
     }
@@ -85,9 +89,13 @@ impl Block {
             // the velocities before them, and the impulses of a pile are nearly those of the sub-step before.
             old
         } else {
+            // Products and sums are separate instructions. A fused multiply-add rounds once, so
+            // processors with and without it would give other bits.
             let x = simd.mul(nx, simd.sub(bx, ax));
             let normal_speed = simd.add(x, simd.mul(ny, simd.sub(by, ay)));
             let missing = simd.sub(simd.load(&self.least_speeds[phase]), normal_speed);
+            // Float32 is enough: the iteration ends with an error far above its rounding, and twice
+            // as many lanes fit into a register.
             let is_relaxed = pass == Pass::Relaxed;
             let masses = if is_relaxed { &self.relaxed_masses } else { &self.effective_masses };
             let wanted = simd.add(old, simd.mul(missing, simd.load(masses)));
@@ -148,6 +156,8 @@ impl Work<f32> for Sweep<'_> {
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
         let has_friction = !self.surface_speeds.words().is_empty();
+        // Blocks in which nothing rests cost one load. Lanes that do not rest have a least speed of
+        // −∞ in effect, and get no impulse.
         for block in self.blocks.iter_mut().filter(|block| block.resting != 0) {
             let mut velocities = block.velocities(simd, self.velocities);
             velocities = block.solve(simd, velocities, self.pass);

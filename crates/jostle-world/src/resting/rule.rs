@@ -74,6 +74,8 @@ impl Surfaces {
         // the two together.
         let most = larger(a, b);
         let [approach, separation] = self.rest_speeds.map(|limit| limit * most);
+        // An overlap counts as a gap of 0: position correction removes it. A speed that removes it
+        // would add energy.
         let closing_speed = larger(gap, 0.0) / h;
         // What falls from farther away lands in a later sub-step.
         let is_near = (gap <= FARTHEST * most * h) & (closing_speed <= approach + a + b);
@@ -85,8 +87,14 @@ impl Surfaces {
         let limit = if has_pushed { larger(approach, most) } else { approach };
         let is_low = impact <= limit * limit;
         let is_steady = self.speed * h <= STEADY * self.curve;
+        // The operators do not branch, so all sixteen lanes are one sequence of vector
+        // instructions.
         let rests = is_near & (is_touching | is_slow & is_low) & is_steady & (approach > 0.0);
+        // A disc that lands fast first bounces with its restitution, and only then does gravity
+        // act. Without this phase a fast impact would be absorbed.
         let is_fast = rests & is_touching & (normal_speed < -approach);
+        // In the phase of impacts a slow contact must not get slower by itself; it only keeps what
+        // is thrown against it from passing through.
         let slow_bounce = if is_touching { smaller(normal_speed, 0.0) } else { f32::MIN };
         let bounce = if is_fast { -restitution * normal_speed } else { slow_bounce };
         Start { rests, is_fast, closing_speed, bounce }

@@ -55,6 +55,8 @@ impl Work<f32> for StartsOfBlocks<'_> {
 #[inline(always)]
 fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
     let zero = simd.splat(0.0);
+    // Without residuals: a gap counts relative to the size here, and uneven contacts, for which
+    // that is not enough, are measured below.
     let [x, y] = difference(simd, &all.motions.positions, &block.indices);
     let x = simd.add(x, simd.load(&block.images[0]));
     let y = simd.add(y, simd.load(&block.images[1]));
@@ -79,14 +81,18 @@ fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
 
     let [u, v] = difference(simd, all.velocities, &block.indices);
     let normal_speed = simd.add(simd.mul(nx, u), simd.mul(ny, v));
+    // The whole relative speed, not only the normal part: it tells how far the normal turns.
     let speed = simd.sqrt(simd.add(simd.mul(u, u), simd.mul(v, v)));
     let [a, b] = [0, 1].map(|k| match all.speed_of_all {
         Some(speed) => {
+            // Gravity does not act on what cannot move, so its speed is 0.
             let moves = simd.less(zero, simd.load(&block.inverse_masses[k]));
             simd.choose(moves, simd.splat(speed), zero)
         }
         None => simd.gather(all.speeds.words(), &block.indices, k)[0],
     });
+    // The rule is written once, for one contact, in plain Rust. Through these columns the compiler
+    // makes vector instructions of it.
     let mut columns = [[0.0; LANES]; 5];
     simd.store(gap, &mut columns[0]);
     simd.store(speed, &mut columns[1]);
@@ -124,6 +130,9 @@ impl Block {
             self.least_speeds[0][lane] = if rests { start.bounce } else { f32::MIN };
             self.least_speeds[1][lane] = if rests { -start.closing_speed } else { f32::MIN };
             self.impulses[0][lane] = 0.0;
+            // Warm starting: the impulse of the last sub-step is the first guess of this one. A
+            // pile passes weight on by one layer in each iteration, so without the guess ten
+            // iterations would carry ten layers.
             self.impulses[1][lane] = if rests { self.impulses[1][lane] } else { 0.0 };
         }
         self.resting = resting;

@@ -51,6 +51,7 @@ impl Walls {
         let (position, radius) = (motions.position(index as u32), scene.particles.radii[index]);
         let exact = motions.exact(index as u32);
         let h = scene.flow.duration as f32;
+        // The search radius is the one of the rule: beyond it no contact rests.
         let far = f64::from(FARTHEST * kick.speed * h);
         let mut contacts = [None; MAX_WALLS];
         let is_near_walls =
@@ -78,6 +79,8 @@ impl Walls {
             let curve = |is_end: bool| if is_end { radius } else { f32::INFINITY };
             let resting = found.iter().filter_map(|of| rest(of, curve(of.is_end)));
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
+            // The number of contacts of a particle is fixed, so nothing is allocated. A disc that
+            // touches more walls rests on the first ones, and events keep it out of the others.
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
             forget_wedges(&mut contacts);
         }
@@ -141,9 +144,12 @@ impl Walls {
     /// least, and does not slide if friction is large enough.
     pub fn solve(&mut self, velocities: &Vectors, surface_speeds: &Scalars, pass: Pass) {
         let phase = pass.phase();
+        // Impulses are divided by the mass here: a wall does not move, so the mass cancels.
         let relaxation = if pass == Pass::Relaxed { RELAXATION } else { 1.0 };
         let mut velocity = velocities.get(self.index);
         let mut surface_speed = surface_speeds.get(self.index);
+        // The contacts of one particle are solved in a fixed order, by one thread. No other task of
+        // this turn reads or writes the particle.
         for contact in self.contacts.iter_mut().flatten() {
             let inward = contact.inward;
             let [u, v] = [0, 1].map(|k| velocity[k] - contact.velocity[k]);
@@ -161,6 +167,7 @@ impl Walls {
                 let along = turned(inward);
                 let [u, v] = [0, 1].map(|k| velocity[k] - contact.velocity[k]);
                 let sliding = along[0] * u + along[1] * v - surface_speed;
+                // The limit follows the push that was just corrected.
                 let most = coefficient * *push;
                 let wanted = *friction - sliding / (1.0 + self.softness);
                 let new = wanted.max(-most).min(most);
