@@ -34,8 +34,8 @@ impl Motion {
 /// A position from its float32 part and its residual.
 #[inline(always)]
 pub fn exact(position: [f32; 2], residual: [f32; 2]) -> [f64; 2] {
-    // Exact: two float32 numbers, of which the second is below the rounding of the first, have at
-    // most 48 bits together, and float64 has 53.
+    // Without rounding: a residual is the difference of a position in float64 and its float32, with
+    // the last bits removed. So the sum fits into float64 again.
     [0, 1].map(|k| f64::from(position[k]) + f64::from(residual[k]))
 }
 
@@ -290,7 +290,8 @@ impl Scalars {
     #[inline(always)]
     pub fn get(&self, index: u32) -> f32 {
         let word = self.0.get(index as usize);
-        // Relaxed for the same reason as in `Spins`.
+        // Relaxed, as in `Spins`. Several threads may write a particle that does not move, each the
+        // value that it had.
         word.map_or(0.0, |word| f32::from_bits(word.load(Ordering::Relaxed) as u32))
     }
 

@@ -76,8 +76,8 @@ fn bernstein([a, b, c, d, e]: [f64; TERMS]) -> [f64; TERMS] {
 /// The coefficients on both halves of the interval (de Casteljau).
 fn halved(terms: [f64; TERMS]) -> ([f64; TERMS], [f64; TERMS]) {
     let (mut first, mut second) = (terms, terms);
-    // Means of two numbers only, so the rounding error stays below that of the coefficients, at any
-    // depth.
+    // Only means of two numbers: they lie between these, so errors do not grow from level to level
+    // as powers of t would.
     for (level, end) in first.iter_mut().enumerate().skip(1) {
         for k in 0..TERMS - level {
             second[k] = 0.5 * (second[k] + second[k + 1]);

@@ -41,8 +41,8 @@ impl Segment {
     /// Centre and velocity at `time`.
     #[inline(always)]
     pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
-        // All positions of a segment come from its beginning. A position that is moved from event
-        // to event by others' events would collect a rounding at each.
+        // All positions of a segment come from its beginning, in one formula. Steps from event to
+        // event would add a rounding for each.
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
         [self.position_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
@@ -209,8 +209,8 @@ impl Relative {
     /// Exchanging the two changes signs only, so the time of impact has the same bits.
     #[inline(always)]
     pub fn of(first: &Segment, second: &Segment, image: Vector, gravity: Vector) -> Self {
-        // Both are moved to the later start, and only then subtracted. The difference of two nearly
-        // equal positions is small and exact, so what follows has its relative accuracy.
+        // Both are moved to the later start, and only then subtracted. The difference of two near
+        // positions is small and nearly without error, so what follows has its relative accuracy.
         let start = first.time.max(second.time);
         let ([p, v], [q, w]) = (first.at(start, gravity), second.at(start, gravity));
         // Gravity cancels exactly if both fall, so that the quadratic case is recognised by a 0.
@@ -269,9 +269,6 @@ impl Relative {
     pub fn meeting(&self, contact_distance: f64, until: f64) -> Option<Meeting> {
         let (q, w) = (self.offset, self.velocity);
         let approach = dot(q, w);
-        // The usual formula for a quadratic equation subtracts numbers of the size of the
-        // displacement squared. The root of small discs on a long way would have no digits left.
-        // From the closest approach, only lengths of the size of the radii are subtracted.
         if approach >= 0.0 {
             return None;
         }
@@ -284,11 +281,13 @@ impl Relative {
             let gap = length - contact_distance;
             return (self.start <= until).then_some(Meeting { time: self.start, gap, speed });
         }
+        // The usual formula for a quadratic equation subtracts numbers of the size of the
+        // displacement squared. The root of small discs on a long way would have no digits left.
+        // From the closest approach, only lengths of the size of the radii are subtracted.
         let ww = dot(w, w);
         let span = until - self.start;
         // Still approaching then, and still apart.
-        // This saves the square root and the division for nearly all pairs that do not meet in
-        // time.
+        // This saves the square root and the division for pairs that do not meet in time.
         if -approach > ww * span && qq + (2.0 * approach + ww * span) * span > square {
             return None;
         }

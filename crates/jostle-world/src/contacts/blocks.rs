@@ -19,11 +19,10 @@ const LEAST_RELAXATION: f32 = 1.7;
 
 /// The relaxation factor of a contact of particles with these inverse masses.
 fn relaxation([a, b]: [f32; 2]) -> f32 {
-    // Between the two factors linearly in the ratio of inverse masses. With 1.5 instead of 1.7,
-    // piles with masses 100:1 overlap by 2.3 instead of 1.4 % (`docs/benchmarks-notes.md`).
+    // Between the two factors, linearly in the ratio of inverse masses. `docs/benchmarks-notes.md`
+    // has the overlap of piles with masses 100:1 for other factors.
     let (small, large) = (a.min(b), a.max(b));
-    // A particle that does not move behaves like one of equal mass that is held, and not like a
-    // very heavy one: no velocity of it can become too large.
+    // With something that does not move there is no ratio: it gets the factor of equal masses.
     let ratio = if small == 0.0 { 1.0 } else { small / large };
     LEAST_RELAXATION + (RELAXATION - LEAST_RELAXATION) * ratio
 }

@@ -65,7 +65,8 @@ impl Colouring {
             let colour = (taken[a] | taken[b]).trailing_ones();
             colours[edge as usize] = colour as u8;
             // A particle that does not move is never written, so its contacts may be solved at the
-            // same time. A floor under a thousand discs would otherwise need a thousand colours.
+            // same time. An immovable disc under a thousand others would otherwise need a thousand
+            // colours.
             let bit = 1u64.checked_shl(colour).unwrap_or(0);
             taken[a] |= if movable[a] { bit } else { 0 };
             taken[b] |= if movable[b] { bit } else { 0 };

@@ -103,7 +103,6 @@ impl Default for Contact {
 
 /// Whether the masses of two particles that move are very different.
 fn are_uneven([a, b]: [f32; 2]) -> bool {
-    // By the product, without a quotient: an inverse mass may be 0.
     a.max(b) > UNEVEN * a.min(b)
 }
 
@@ -247,9 +246,8 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let movable = &particles.movable;
-        // Five passes in this order, because each needs the one before: uneven masses decide the
-        // kind, edges have priorities, priorities the colours, colours the counts, counts the
-        // places of blocks.
+        // The order is given: uneven masses decide the kinds of contacts, edges have the
+        // priorities, these give the colours, and colours and kinds the numbers of blocks.
         self.find_uneven(lists, &particles.masses, movable);
         // Only contacts without images follow the order of the keys. With images the lists are
         // merged by a sort at the end of the step.
@@ -427,7 +425,7 @@ impl Contacts {
                     } else if indices.into_iter().any(is_uneven) {
                         UNEVEN_KIND as u8
                     // Pairs near each other are likely to rest. Blocks of them are full of work,
-                    // and blocks of the others are skipped as a whole.
+                    // and those of the others are often skipped as a whole.
                     } else if are_near(particles, [a, b], *image) {
                         NEAR_KIND as u8
                     } else {
@@ -569,7 +567,7 @@ impl Contacts {
         impulses.clear();
         let mut overflow = None;
         for contact in &*list {
-            // The caller refuses the step. Stored, the impulse would become NaN in the next one.
+            // Only reported: what an overflow means is decided by the caller.
             if contact.impulse == f32::INFINITY {
                 overflow = overflow.or(Some(contact));
             }
@@ -619,7 +617,7 @@ fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool 
 /// these.
 fn sort(list: &mut [Contact]) {
     let key = |of: &Contact| (of.key(), of.totals.map(f32::to_bits));
-    // The test is one pass, and the list is sorted already in most steps of a pile.
+    // A list that is sorted already costs one pass without moves.
     if !list.is_sorted_by_key(key) {
         list.sort_unstable_by_key(key);
     }

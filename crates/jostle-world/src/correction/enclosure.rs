@@ -98,8 +98,8 @@ impl Enclosure<'_> {
         let Self { motions, particles, walls } = *self;
         let container = walls.container;
         let (position, radius) = (motions.position(index), particles.radii[index as usize]);
-        // One radius is more than all iterations can move a particle in usual cases. Larger
-        // displacements take the exact path.
+        // A displacement of nearly one radius is then free of walls; larger ones take the exact
+        // path.
         let is_free = (walls.is_empty() || walls.is_far(index, position, radius))
             && (!container.has_walls() || container.inner().contains(position, 2.0 * radius));
         if is_free { FREE * radius * radius } else { 0.0 }

@@ -98,8 +98,7 @@ impl Correction {
         threads: Option<usize>,
     ) -> Result<()> {
         // Velocities are not touched. If overlap were removed by velocities, each correction would
-        // add kinetic energy, and a pile would never come to rest (pseudo-velocities; E. Catto,
-        // 2005, and *split impulses* elsewhere).
+        // add kinetic energy.
         let enclosure = Enclosure { motions, particles, walls };
         enclosure.move_all_inside(threads);
         if colours == 0 {

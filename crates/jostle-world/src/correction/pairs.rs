@@ -25,8 +25,8 @@ impl Block {
         let [ax, ay] = simd.gather(positions.words(), &self.indices, 0);
         let [bx, by] = simd.gather(positions.words(), &self.indices, 1);
         // Positions and residuals are subtracted apart. The difference of near positions in float32
-        // is exact, and the residuals add what is below their spacing. So float32 is enough far
-        // from the origin, too.
+        // has hardly any error, and the residuals add what is below their spacing. So float32 is
+        // enough far from the origin, too.
         let [cx, cy] = simd.gather(residuals.words(), &self.indices, 0);
         let [dx, dy] = simd.gather(residuals.words(), &self.indices, 1);
         let [mut x, mut y] = [simd.sub(bx, ax), simd.sub(by, ay)];
@@ -68,8 +68,8 @@ impl Block {
             let most = LARGEST * self.sizes[lane];
             let contact_distance = f64::from(self.contact_distances[lane].min(most));
             // A disc deep inside the other is moved out of it all the same.
-            // The large disc is replaced by one of 64 diameters of the small one, with the same
-            // surface. In float32 the overlap then has enough digits.
+            // The sum of radii is limited to 64 diameters of the small disc, with the same surface
+            // at that place. In float32 the overlap then has enough digits.
             let length = (contact_distance + gap).max(f64::from(SLOP * self.sizes[lane]));
             for k in [0, 1] {
                 self.offset[k][lane] = (normal[k] * length) as f32;
@@ -123,8 +123,7 @@ impl Block {
             });
             [nx, ny] = [simd.load(&normal[0]), simd.load(&normal[1])];
         }
-        // A little overlap remains, because a contact without one would lose touch by rounding and
-        // begin again with a bounce.
+        // A little overlap remains, so that resting contacts persist from step to step.
         let target = simd.sub(contact_distance, simd.mul(simd.splat(SLOP), size));
         let zero = simd.splat(0.0);
         // A share of the overlap, because several contacts of a particle push at once. With 70 % in

@@ -33,7 +33,7 @@ impl Block {
         let [au, zero] = simd.gather(surface_speeds.words(), &self.indices, 0);
         let [bu, _] = simd.gather(surface_speeds.words(), &self.indices, 1);
         let [ax, ay, bx, by] = velocities;
-        // −0 − v is −v for each v, with the sign of zeros; 0 − v would turn 0 into 0.
+        // −0 − v is −v for each v; 0 − v would lose the sign of a zero.
         let tx = simd.sub(simd.splat(-0.0), simd.load(&self.normal[1]));
         let ty = simd.load(&self.normal[0]);
         // The limit is that of the same phase: the impulse of an impact does not make what rests stick.

@@ -408,7 +408,8 @@ impl Resting {
                     continue;
                 }
                 // The whole change acts before the flight, so the particle flies straight with the
-                // velocity at the end of the sub-step. It is that for which gaps do not close.
+                // velocity at the end of the sub-step. With these velocities no resting contact
+                // closes by more than its gap.
                 kick.before = from_old(new);
                 kick.after = [0.0; 2];
                 kick.is_supported = true;

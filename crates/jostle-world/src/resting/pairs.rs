@@ -94,8 +94,9 @@ impl Block {
             let x = simd.mul(nx, simd.sub(bx, ax));
             let normal_speed = simd.add(x, simd.mul(ny, simd.sub(by, ay)));
             let missing = simd.sub(simd.load(&self.least_speeds[phase]), normal_speed);
-            // Float32 is enough: the iteration ends with an error far above its rounding, and twice
-            // as many lanes fit into a register.
+            // The mass is the only difference between the two passes. Float32 is enough in all of
+            // this: the iteration ends with an error far above its rounding, and a register holds
+            // twice as many numbers as in float64.
             let is_relaxed = pass == Pass::Relaxed;
             let masses = if is_relaxed { &self.relaxed_masses } else { &self.effective_masses };
             let wanted = simd.add(old, simd.mul(missing, simd.load(masses)));

@@ -93,8 +93,8 @@ impl Surfaces {
         // A disc that lands fast first bounces with its restitution, and only then does gravity
         // act. Without this phase a fast impact would be absorbed.
         let is_fast = rests & is_touching & (normal_speed < -approach);
-        // In the phase of impacts a slow contact must not get slower by itself; it only keeps what
-        // is thrown against it from passing through.
+        // In the phase of impacts a slow contact keeps its speed of approach. It only passes on
+        // what fast contacts press into it.
         let slow_bounce = if is_touching { smaller(normal_speed, 0.0) } else { f32::MIN };
         let bounce = if is_fast { -restitution * normal_speed } else { slow_bounce };
         Start { rests, is_fast, closing_speed, bounce }

@@ -55,8 +55,8 @@ impl Work<f32> for StartsOfBlocks<'_> {
 #[inline(always)]
 fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
     let zero = simd.splat(0.0);
-    // Without residuals: a gap counts relative to the size here, and uneven contacts, for which
-    // that is not enough, are measured below.
+    // Resting contacts use the float32 part of positions. Uneven contacts, for which it is not
+    // enough, are measured below.
     let [x, y] = difference(simd, &all.motions.positions, &block.indices);
     let x = simd.add(x, simd.load(&block.images[0]));
     let y = simd.add(y, simd.load(&block.images[1]));
@@ -130,9 +130,9 @@ impl Block {
             self.least_speeds[0][lane] = if rests { start.bounce } else { f32::MIN };
             self.least_speeds[1][lane] = if rests { -start.closing_speed } else { f32::MIN };
             self.impulses[0][lane] = 0.0;
-            // Warm starting: the impulse of the last sub-step is the first guess of this one. A
-            // pile passes weight on by one layer in each iteration, so without the guess ten
-            // iterations would carry ten layers.
+            // Warm starting: the impulse of the last sub-step is the first guess of this one.
+            // Weight passes from layer to layer in the iterations, so without the guess ten of them
+            // carry a few layers only.
             self.impulses[1][lane] = if rests { self.impulses[1][lane] } else { 0.0 };
         }
         self.resting = resting;

@@ -101,8 +101,6 @@ impl Sweeps<'_> {
     ) -> Result<()> {
         use Task::{Accelerate, Contacts};
         use Which::{All, Uneven};
-        // Impacts get few iterations: they matter in one sub-step, and the next ones find what is
-        // left.
         if has_fast {
             for _ in 0..IMPACT_ITERATIONS {
                 act(Task::Walls(Pass::Impact, All))?;
@@ -136,8 +134,8 @@ impl Sweeps<'_> {
                 iterate(Pass::Relaxed, Uneven)?;
             }
         }
-        // Over-relaxation leaves each contact with a correction that is too large. The last pass
-        // without it leaves the last contact of each particle exact.
+        // Over-relaxation makes each correction too large. The last pass is without it, so that a
+        // contact that shares no particle with others ends exact.
         iterate(Pass::Exact, All)
     }
 
@@ -240,8 +238,8 @@ impl Sweeps<'_> {
         let run = |member: &Member<'_>, task| match task {
             Task::Contacts(pass, which) => {
                 for colour in &colours {
-                    // Each thread has the same parts of a colour in all iterations, so its blocks
-                    // stay in its cache.
+                    // Each thread has the same parts of a colour in each iteration over all
+                    // contacts, so its blocks may stay in its cache.
                     let own = if stop.is_set() { 0..0 } else { colour.share(member, which) };
                     for part in &parts[own] {
                         all.sweep(&mut locked(part), pass);
