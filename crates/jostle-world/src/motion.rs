@@ -201,8 +201,8 @@ impl Vectors {
     /// The vector of the particle at `index`.
     #[inline(always)]
     pub fn get(&self, index: u32) -> [f32; 2] {
-        // One load for both numbers: a gather of x and y separately takes twice as many, and memory
-        // is what the kernels wait for.
+        // One load for both numbers: gathers of x and y apart would take twice as many.
+        // `docs/benchmarks-notes.md` has the gain for a gas.
         jostle_simd::numbers_at(&self.0, index)
     }
 

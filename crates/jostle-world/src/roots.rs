@@ -51,8 +51,8 @@ pub fn first_root(coefficients: [f64; TERMS], span: f64) -> Option<f64> {
         if high - low <= shortest || terms[0].is_nan() || terms[0] <= 0.0 {
             return Some(low * span);
         }
-        // The number of roots is at most the number of changes of sign, and differs from it by an
-        // even number (Descartes' rule in this basis). One change means one root.
+        // The number of roots is at most the number of changes of sign, and the difference is even
+        // (Descartes' rule in this basis). One change means one root.
         let changes = terms.windows(2).filter(|two| (two[0] > 0.0) != (two[1] > 0.0)).count();
         if changes == 1 {
             return Some(bracketed(power, low, high) * span);

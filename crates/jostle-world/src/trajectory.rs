@@ -397,7 +397,7 @@ pub fn round_impact(
     limits: &Limits,
 ) -> Option<Impact> {
     let span = limits.until - start;
-    // The signs are those of a point that must stay inside, so the polynomial is positive before
+    // The signs are those of a point that must stay inside. So the polynomial is positive before
     // the impact here, too, and `first_root` needs no second version.
     let inside = contact_distance * contact_distance - dot(q, q);
     let limits = limits.of_gap(contact_distance - dot(q, q).sqrt());

@@ -246,8 +246,8 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let movable = &particles.movable;
-        // The order is given: uneven masses decide the kinds of contacts, edges have the
-        // priorities, these give the colours, and colours and kinds the numbers of blocks.
+        // The order is given. Uneven masses decide the kinds of contacts. Edges have the
+        // priorities, which give the colours. Colours and kinds give the numbers of blocks.
         self.find_uneven(lists, &particles.masses, movable);
         // Only contacts without images follow the order of the keys. With images the lists are
         // merged by a sort at the end of the step.
@@ -402,7 +402,7 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let Self { edges, kinds, uneven, .. } = self;
-        // All contacts of such a particle get more iterations, and not only the uneven one: the
+        // All contacts of such a particle get more iterations, and not only the uneven one. The
         // correction of one contact disturbs the others of the same particle.
         let is_uneven = |index: u32| uneven.get(index as usize).is_some_and(|&uneven| uneven);
         let count = lists.iter().map(|(_, pairs)| pairs.len()).sum();
@@ -420,7 +420,7 @@ impl Contacts {
                     let [a, b] = indices.map(|index| index as usize);
                     *kind = if !(movable[a] || movable[b]) {
                         // Neither moves, so no impulse has an effect. The pair stays in the list,
-                        // because lists and colours are read in step.
+                        // because pairs, colours and kinds have the same numbers.
                         UNSOLVED
                     } else if indices.into_iter().any(is_uneven) {
                         UNEVEN_KIND as u8

@@ -48,8 +48,7 @@ impl Simulation<'_> {
         let is_known = |other: u32, normal| {
             other == wall && touch.is_same(&impulses::Touch::of_wall(index, wall, normal))
         };
-        // After the bounce the disc moves away from a flat wall, so a test in float32 need not look
-        // at it again.
+        // The early test leaves out this wall if the disc moves away from it after the bounce.
         let left = flight.walls.left(wall);
         let is_alone = self.predict_one(time, &own, None, left, is_known, &mut predicted);
         // Only now does anything change. If the disc touches something else, `happen` computes the

@@ -40,8 +40,8 @@ impl Events {
         // depend on which guess was made first, so blocks and threads do not matter.
         self.conflicts.clear();
         self.had_conflicts.clear();
-        // Three sources of conflicts: pairs that cross along their first segments, pairs of which
-        // one has had an event, and pairs that are new because a disc has left its bounds.
+        // There are three sources of conflicts. Some pairs cross along their first segments, and
+        // some meet after an event. Others are new, because a disc has left its bounds.
         self.find_crossing(window);
         self.find_meeting(window);
         interrupt::check()?;
@@ -201,7 +201,7 @@ impl Events {
         self.reopen_islands(conflicts.iter().flatten().copied());
         self.conflicts = conflicts;
         self.sort_discs(window);
-        // The share of a half was found with inelastic discs that fall together: the mean time of a
+        // The share of a half was found with inelastic discs that fall together. The mean time of a
         // step fell from 16,000 to 9,800 ns for a disc (`docs/benchmarks-notes.md`).
         if all || self.discs.len() > with_events / 2 {
             for index in 0..self.course_of.len() as u32 {

@@ -78,9 +78,9 @@ impl Start {
     /// to them, also if they overlap.
     #[inline(always)]
     pub fn is_settled(&self, span: f32, smallest: f32) -> bool {
-        // Each of two discs moves by at most half of the allowed overlap: a share of the radius,
-        // and the limit is the same share of the diameter. The smallest radius of the world stands
-        // for that of the unknown partner.
+        // Each of two discs moves by at most half of the allowed overlap: its limit is the share of
+        // the radius, that of the pair the share of the diameter. The smallest radius of the world
+        // stands for that of the unknown partner.
         let farthest = DEFERRED as f32 * self.radius.min(smallest) * (1.0 - MARGIN);
         (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
     }

@@ -397,13 +397,14 @@ impl Window<'_> {
         let (are_supported, restitution) = surfaces();
         let deferred = if are_supported { DEFERRED * tolerance.size() } else { 0.0 };
         // A sequence of bounces that lose energy ends with ever lower ones. Without a limit a disc
-        // would have very many of them in the last moments of a sub-step. The first impact has the
-        // small limit, so that the slowest approach ends in it after one sub-step at most.
+        // would have very many of them in the last moments of a sub-step. Surfaces that touch as
+        // the sub-step begins have the small limit in their first impact. So no approach is left
+        // out in two sub-steps.
         let slight = if restitution < 1.0 { tolerance.at_most(SLIGHT) } else { slightest };
         let restitution = restitution_at_rest(restitution);
         Limits {
-            // The contact of two supported discs is solved as the next sub-step begins. An event
-            // here would take a disc out of the solution that supports it.
+            // The contact of two supported discs is solved anew as the next sub-step begins. So a
+            // small approach needs no event.
             tolerance: slight.max(deferred),
             touching_tolerance: if is_first { slightest } else { slight }.max(deferred),
             bounces: 2.0 * restitution / (1.0 - restitution),
@@ -539,7 +540,7 @@ impl Window<'_> {
     ) -> Option<(Impact, u32)> {
         let container = &self.flight.walls.container;
         let radius = f64::from(self.starts[index as usize].radius);
-        // A reserve of time makes the test safe: the exact formula might round an impact at the end
+        // A reserve of time makes the test safe. The exact formula might round an impact at the end
         // of the window to a moment before it.
         let span = (self.end - segment.time) * (1.0 + FAR);
         let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;

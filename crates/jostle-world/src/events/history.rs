@@ -226,7 +226,7 @@ impl Carried {
             }
             let known = numbers[index] as usize;
             let turning = history.turnings.get(number as usize);
-            // [`NONE`] is larger than each number of a course, so one comparison tests both.
+            // `NONE` is larger than each number of a course, so one comparison tests both.
             if known < courses.len() {
                 courses[known] = *course;
                 turning.into_iter().for_each(|turning| turnings[known] = *turning);
@@ -285,7 +285,7 @@ impl Iterator for Trajectory<'_> {
 
     fn next(&mut self) -> Option<Part> {
         let (segment, before) = self.next?;
-        // [`NONE`] is beyond the end of the list, so `get` ends the chain.
+        // `NONE` is beyond the end of the list, so `get` ends the chain.
         self.next = self.ended.get(before as usize).copied();
         let is_last = std::mem::take(&mut self.is_last);
         let part = Part { segment, end: self.end, is_first: before == NONE, is_last };

@@ -434,7 +434,7 @@ impl Events {
                 if window.starts[index as usize].is_movable {
                     let number = course_of[index as usize];
                     let history = if number & AGAIN != 0 { again } else { &block.history };
-                    // [`NONE`] has the mark, too, and its number is beyond the end of each list.
+                    // `NONE` has the mark, too, and its number is beyond the end of each list.
                     // Then nothing is found, and the disc turns as it did.
                     let found = history.turnings.get((number & !AGAIN) as usize);
                     let turning = found.copied().unwrap_or_else(|| window.turning(index));

@@ -95,8 +95,8 @@ impl Block {
             let normal_speed = simd.add(x, simd.mul(ny, simd.sub(by, ay)));
             let missing = simd.sub(simd.load(&self.least_speeds[phase]), normal_speed);
             // The mass is the only difference between the two passes. Float32 is enough in all of
-            // this: the iteration ends with an error far above its rounding, and a register holds
-            // twice as many numbers as in float64.
+            // this: the iteration ends with an error far above its rounding. A register holds twice
+            // as many numbers as in float64.
             let is_relaxed = pass == Pass::Relaxed;
             let masses = if is_relaxed { &self.relaxed_masses } else { &self.effective_masses };
             let wanted = simd.add(old, simd.mul(missing, simd.load(masses)));
