@@ -24,7 +24,8 @@ pub struct Edge {
     pub priority: u32,
 }
 
-/// Fewer contacts than this are sorted by comparison.
+/// Fewer contacts than this are sorted by comparison. The radix sort clears its counters three
+/// times, which costs more than to compare few contacts.
 const FEW: usize = 1024;
 
 /// Bits of a digit of the radix sort, and the digits of a priority.

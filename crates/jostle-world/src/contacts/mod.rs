@@ -23,7 +23,9 @@ pub use sequence::Sequential;
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
 
-/// Masses are uneven if the larger is more than this times the smaller.
+/// Masses are uneven if the larger is more than this times the smaller. A smaller ratio gives more
+/// particles further iterations. Piles with masses 100:1 in `docs/benchmarks-notes.md` show what
+/// these gain and cost.
 const UNEVEN: f32 = 6.0;
 
 /// Two particles that touched in the last step, or that it left with an impulse at rest: what is left
@@ -81,7 +83,8 @@ type Counts = Vec<[usize; KINDS]>;
 /// Marks lanes without a contact.
 const NONE: u32 = u32::MAX;
 
-/// Blocks that a thread fills at a time.
+/// Blocks that a thread fills at a time. Larger tasks leave threads without work at the end,
+/// smaller ones cost more for each task.
 const BLOCKS_OF_A_THREAD: usize = 64;
 
 impl Default for Contact {

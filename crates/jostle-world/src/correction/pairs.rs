@@ -126,9 +126,8 @@ impl Block {
         // A little overlap remains, so that resting contacts persist from step to step.
         let target = simd.sub(contact_distance, simd.mul(simd.splat(SLOP), size));
         let zero = simd.splat(0.0);
-        // A share of the overlap, because several contacts of a particle push at once. With 70 % in
-        // four iterations, piles with masses 100:1 overlap by 6.2 instead of 1.7 %
-        // (`docs/benchmarks-notes.md`).
+        // A share of the overlap, because several contacts of a particle push at once. See
+        // `SOFTNESS`.
         let softened = simd.mul(simd.splat(SOFTNESS), simd.max(simd.sub(target, length), zero));
         let most = simd.mul(simd.splat(MOST), size);
         // The shares of each in the displacement.

@@ -7,7 +7,9 @@ use crate::tolerance::size_of;
 use crate::trajectory::Segment;
 use jostle_index::pairs::Path;
 
-/// Relative error, with a large reserve, of the squares of distances in float32.
+/// Relative error, with a large reserve, of the squares of distances in float32. Too large a margin
+/// costs exact tests and no result; one that is too small loses collisions. The tests below look
+/// for these at random.
 pub const MARGIN: f32 = 1e-4;
 
 /// Relative error of positions and displacements in float32, and of what counts as touching, with a

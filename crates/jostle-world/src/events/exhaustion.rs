@@ -32,14 +32,17 @@ use super::simulation::{Scratch, Simulation};
 use crate::trajectory::{Segment, Vector, dot, vector};
 use crate::walls::index_of;
 
-/// Recent events from which on the collisions of a disc are elastic.
+/// Recent events from which on the collisions of a disc are elastic. A smaller number takes too
+/// little energy from dense crowds, a larger one costs time in those that collapse.
+/// `stats.collapsed` counts the discs that reach it.
 const COLLAPSE: u32 = 64;
 
 /// Recent events from which on a disc is exhausted: of one that loses no energy, and of others.
 /// Larger numbers would take minutes for a long row that collapses.
 const MAX_EVENTS: [u32; 2] = [1024, 384];
 
-/// Recent events of an exhausted disc after which it has ended.
+/// Recent events of an exhausted disc after which it has ended. The number trades time against
+/// discs that stop early. `stats.unresolved` counts exhausted discs.
 const MORE_EVENTS: u32 = 128;
 
 /// Points have no radius by which they could move: their events are counted in each of so many

@@ -16,13 +16,17 @@ use crate::walls::{Around, Contact, number_of};
 use jostle_base::parallel;
 
 /// An impact without which the surfaces would overlap by less than this share of the size at the
-/// end of the flight is left out, if it loses energy and follows another impact in the flight.
+/// end of the flight is left out, if it loses energy and follows another impact in the flight. A
+/// larger share saves events of discs that bounce ever lower, and adds to the overlap that
+/// `crates/jostle/tests/scales.rs` limits.
 const SLIGHT: f64 = 1e-6;
 
 /// The same for other impacts. It is below the displacements of the slowest discs in a step.
 const SLIGHTEST: f64 = 1e-11;
 
 /// Overlap of two discs, as a share of the size, from which on position correction separates them.
+/// It is above the overlap at which correction begins and above the usual ones of piles, so that
+/// ordinary contacts do not get the wider limit.
 const DEEP: f64 = 0.01;
 
 /// Relative reserve for rounding of the time in which a disc is far from the sides of the
@@ -30,7 +34,8 @@ const DEEP: f64 = 0.01;
 const FAR: f64 = 1e-6;
 
 /// Two supported particles do not collide if they would overlap by less than this share of the
-/// size: their contact is solved at the beginning of the next sub-step.
+/// size: their contact is solved at the beginning of the next sub-step. A larger share saves events
+/// in piles, and is added to the overlaps that `tests/library/physics/test_resting.py` prints.
 pub const DEFERRED: f64 = 0.01;
 
 /// How a disc begins a flight, or in float32 a window of it.

@@ -49,7 +49,8 @@ pub use queue::WALL;
 use simulation::Scratch;
 use window::{end_for_the_fast, most_impacts, shortest_of_all};
 
-/// Windows of a sub-step at most, apart from the last of all.
+/// Windows of a sub-step at most, apart from the last of all. More windows would let crowds have
+/// few impacts in each, but each window is a pass over all discs.
 const MAX_WINDOWS: f64 = 1024.0;
 
 /// Collisions of one disc in a step at most; a step with more is refused. At a thousand radii a

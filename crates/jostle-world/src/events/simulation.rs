@@ -19,7 +19,8 @@ use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::Contact;
 use jostle_base::interrupt::Stop;
 
-/// Impacts between two polls.
+/// Impacts between two polls. More would make an interruption wait longer, fewer would read a
+/// shared flag more often.
 const POLL_EVERY: usize = 256;
 
 /// A disc that gets a new velocity at this moment.
