@@ -4,8 +4,7 @@
 /// Highest degree plus one.
 const TERMS: usize = 5;
 
-/// Halvings after which an interval counts as a point. Near 1, float64 resolves only
-/// 5 more.
+/// Halvings after which an interval counts as a point. Near 1, float64 resolves only 5 more.
 const MOST_HALVINGS: i32 = 48;
 
 /// Iterations of Newton's method within a bracket.

@@ -50,7 +50,7 @@ impl Colouring {
         colours.clear();
         // The order of solving changes the result, because the iteration ends early. So the colours
         // must follow from the state, and only from the state nearby. The priorities are hashes, so
-        // chains of rising priorities are short, and a far particle does not change a colour.
+        // chains of rising priorities are short, and end near the contact.
         colours.resize(edges.len(), COLOURS as u8);
         // In descending order of priorities, each contact finds all colours of higher ones already
         // taken. So one pass gives the colours that the parallel algorithm of Jones and Plassmann

@@ -427,9 +427,9 @@ impl Contacts {
                         UNSOLVED
                     } else if indices.into_iter().any(is_uneven) {
                         UNEVEN_KIND as u8
-                    // Pairs near each other are likely to rest. Blocks of them are full of work,
-                    // and those of the others are often skipped as a whole.
                     } else if are_near(particles, [a, b], *image) {
+                        // Pairs near each other are likely to rest. Blocks of them are full of
+                        // work, and those of the others are often skipped as a whole.
                         NEAR_KIND as u8
                     } else {
                         FAR_KIND as u8

@@ -174,7 +174,7 @@ impl Correction {
                     for index in member.share(len) {
                         free_squares.set(index as u32, enclosure.free_square(index as u32));
                     }
-                    // The next colour reads displacements that this one has written, on any thread.
+                    // All threads write a share of the squares, and each reads those of all.
                     member.wait();
                     knows_free = true;
                 }
@@ -252,6 +252,7 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
                 // read.
                 count.fetch_add(moved, Ordering::Relaxed);
             }
+            // The next colour reads displacements that this one has written, on any thread.
             member.wait();
             // Ghosts get the displacements that their own processes have computed.
             self.halo.refresh(|at| displacements.get(at), |at, by| displacements.set(at, by))?;
