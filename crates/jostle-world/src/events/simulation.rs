@@ -125,7 +125,7 @@ impl Simulation<'_> {
             let count = |index: u32| self.find(index).map_or(0, |own| own.count);
             // Events are not removed from the queue when a disc turns; that would need a search.
             // Instead each event has the numbers of events that its discs had. A number that has
-            // changed makes the event invalid. For a wall both numbers are 0.
+            // changed makes the event invalid. That of a wall is 0.
             if event.pair.map(count) == event.counts {
                 // Most events are one contact of one or two discs. These have paths without lists,
                 // which give the same bits and give up, without a change, if anything else touches.

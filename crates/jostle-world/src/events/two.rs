@@ -81,7 +81,7 @@ impl Simulation<'_> {
         let turned = |k: usize| Segment { velocity: velocities[k], is_first: false, ..now[k] };
         let new = [turned(0), turned(1)];
         // The predictions and the search for other contacts visit the same neighbours, so they are
-        // one pass. If another contact is found, the predictions are dropped and nothing has
+        // one pass. If another contact is found, the predictions are dropped, and no trajectory has
         // changed.
         if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
             return false;
