@@ -64,7 +64,7 @@ impl Events {
     /// Appends the pairs of different blocks that meet along their first segments to the conflicts.
     fn find_crossing(&mut self, window: &Window<'_>) {
         // A pair that crosses may be deflected before it meets. It is simulated together all the
-        // same: this costs time only, and a test of that is no cheaper.
+        // same, which costs time and changes no result.
         let all = self.blocks.iter().flat_map(|block| &block.crossing);
         let in_window = all.filter(|event| event.time <= window.end);
         self.conflicts.extend(in_window.map(|event| event.pair));
@@ -116,8 +116,8 @@ impl Events {
         all: bool,
         bounds: &mut dyn Bounds,
     ) -> Result<()> {
-        // The repetition is one simulation on one thread: its discs may be anywhere, and their
-        // number is small, or all depend on each other.
+        // The repetition is one simulation on one thread. Its discs may be in any blocks, and those
+        // of an island depend on each other.
         self.reopen(window, all);
         self.load_near(window);
         let stop = Stop::current();

@@ -67,7 +67,7 @@ pub fn apply_jointly(
     impulses: &mut Vec<[f64; 2]>,
 ) {
     // Over-relaxation is for chains of contacts, along which an impulse moves by one contact in a
-    // turn. A looser tolerance is enough: these velocities are those of discs that can hardly move.
+    // turn.
     let joint = (MAX_JOINT_ITERATIONS, JOINT_TOLERANCE, JOINT_RELAXATION);
     iterate(joint, touches, velocities, impulses);
 }
