@@ -206,6 +206,10 @@ impl Asleep {
     pub(crate) fn append(&mut self, new: &Sleepers, settings: Settings) -> Result<()> {
         let end = self.sleepers.len() + new.len();
         let mut first = self.sleepers.len();
+        // The new tree takes in every layer at the end that has at most twice as many particles. So
+        // each layer is more than twice as large as the one after it, and there are O(log n) of
+        // them. A layer that is taken in grows by half at least, so a particle is in O(log n)
+        // builds.
         let mut kept = self.layers.len();
         while kept > 0 && self.layers[kept - 1].tree.len() <= 2 * (end - first) {
             kept -= 1;
@@ -224,6 +228,7 @@ impl Asleep {
             fill_filters((first..end).map(filter), shapes.columns_mut().filters);
         }
         let tree = Quadtree::new(&shapes, settings)?;
+        // Shapes and tree may fail, so nothing has changed before this line.
         self.layers.truncate(kept);
         self.layers.push(Layer { first, tree });
         for island in &new.islands {
@@ -246,6 +251,8 @@ impl Asleep {
         (join, islands): (&mut JoinScratch, &mut Vec<u32>),
     ) -> Result<()> {
         islands.clear();
+        // Both signs of each offset: half of the images are enough for pairs within one tree, but
+        // here the two trees differ.
         let images =
             settings.container.period().half_of_images().flat_map(|[x, y]| [[x, y], [-x, -y]]);
         for image in iter::once([0.0; 2]).chain(images) {
@@ -260,6 +267,8 @@ impl Asleep {
                         pairs::brute_between(circles, others, image, Filters::Apply, max)
                     }
                 };
+                // To wake too many islands is always right, because a step of particles that are
+                // awake needs no list of sleeping ones. So too many pairs are no error here.
                 let found = match found {
                     Err(Error::TooManyPairs { .. }) => {
                         islands.clear();
@@ -268,6 +277,9 @@ impl Asleep {
                     }
                     other => other?,
                 };
+                // The circles of the tree are bounds, whose sizes depend on the speeds of all
+                // particles. The smaller circle depends on its own particle alone. So what wakes
+                // follows from what is near.
                 let overlaps = |pair: &&[u32; 2]| {
                     let Some(radius) = radius(circles.rows()[pair[0] as usize]) else {
                         return false;
@@ -281,6 +293,7 @@ impl Asleep {
                 let new = found.pairs.iter().filter(overlaps);
                 let new =
                     new.map(|pair| self.island_of[first + tree.rows()[pair[1] as usize] as usize]);
+                // Islands that are awake stay in the layers until they are removed.
                 islands.extend(new.filter(|&island| !self.is_awake[island as usize]));
                 join.keep(found.pairs);
             }
@@ -324,6 +337,7 @@ impl Asleep {
 
     /// Wakes islands and returns a copy of them.
     pub(crate) fn wake(&mut self, islands: &[u32]) -> Sleepers {
+        // Nothing is removed: if the step fails, `cancel_waking` only takes back the marks.
         self.mark(islands, true);
         self.woken.extend_from_slice(islands);
         self.sleepers.select(islands.iter().copied())
@@ -341,6 +355,7 @@ impl Asleep {
     /// Removes the last islands again, of which there are so many, because the step is undone.
     pub(crate) fn withdraw(&mut self, count: usize) {
         let end = self.is_awake.len() as u32;
+        // The last islands are those that the step has appended.
         self.mark(&(end - count as u32..end).collect::<Vec<u32>>(), true);
     }
 
@@ -361,6 +376,8 @@ impl Asleep {
     /// Makes waking final. Removes the islands that are awake if they are more than half.
     pub(crate) fn forget_woken(&mut self) {
         self.woken.clear();
+        // A removal copies all islands that sleep. It waits until more than half of the particles
+        // are awake, so its cost is in proportion to the number of particles that have been woken.
         if 2 * self.awake <= self.sleepers.len() {
             return;
         }

@@ -59,6 +59,8 @@ impl World {
         let super::StepScratch { max_displacements, forces, usual_speed, shapes, .. } =
             &mut self.scratch;
         let (particles, settings) = (&self.bodies.awake.particles, &self.settings);
+        // A collision may make a slow particle faster. So each movable particle gets at least the
+        // usual displacement, and few leave their bounds, which would cost a search for each.
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
         let fall = distance_of_fall(settings.gravity, dt);
@@ -71,6 +73,9 @@ impl World {
         let pulled = |index: usize| {
             force_displacement(accelerations.get(index), by_springs.get(index), dt).unwrap_or(0.0)
         };
+        // On a torus, bounds are cut so that few images of other particles are in them: `grow`
+        // finds more when a particle gets there. The candidates of particles that merge are
+        // searched once, so their bounds are not cut.
         let longest =
             if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
         let len = particles.len();
@@ -81,6 +86,8 @@ impl World {
         let radii = columns.radii.rows_mut();
         radii.resize(len, 0.0);
         max_displacements.resize(len, 0.0);
+        // If an own displacement is cut, its particle may leave the bounds without any event. Then
+        // the first flight must test where particles get.
         let is_cut = AtomicBool::new(false);
         let sides = torus_sides(&settings.container);
         parallel::for_chunks_of_two(
@@ -107,6 +114,7 @@ impl World {
                     if is_pulled {
                         by_forces += pulled(index);
                     }
+                    // Nothing but its own velocity moves an immovable particle.
                     let (least, by_forces) =
                         if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
                     *max_displacement = (own.max(least) + by_forces).min(longest);
@@ -114,9 +122,13 @@ impl World {
                     *radius =
                         own_radius + *max_displacement + rounding_of(center, own_radius, sides);
                 }
+                // The value is read after all threads have joined, so no order of memory is needed.
                 if any_cut {
                     is_cut.store(true, Ordering::Relaxed);
                 }
+                // Contacts are made of pairs that come near each other by themselves. Candidates
+                // must contain these pairs. Otherwise the size of the bounds would decide which
+                // contacts there are.
                 if !may_rest {
                     return;
                 }
@@ -177,6 +189,7 @@ fn contain_contacts<'a>(
 /// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
 #[inline(always)]
 pub(crate) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
+    // The factor is a reserve for the rounding of these operations, which is below 10⁻⁶ in all.
     (u * u + v * v).sqrt() * dt * 1.000_01
 }
 
@@ -189,6 +202,7 @@ pub(crate) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
 /// displacement, but at most its radius, and a share of its radius for surfaces that nearly touch.
 #[inline(always)]
 pub(crate) fn reach(free: f32, radius: f32) -> f32 {
+    // Without the limit by the radius a fast particle would have a contact with each on its way.
     free.min(radius) + SLACK * radius
 }
 
@@ -307,6 +321,8 @@ impl<'a> StepBounds<'a> {
     /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
     fn cover(&mut self, outside: &Outside, gravity: Vector, end: f64) -> Result<()> {
         let Outside { index, distance, .. } = *outside;
+        // One circle for a long path would contain most of the torus, and images of itself. A chain
+        // of small circles follows the path instead.
         if distance > ONE_CIRCLE * f64::from(self.container.max_displacement()) {
             return self.cover_by_chain(outside, gravity, end);
         }
@@ -314,6 +330,8 @@ impl<'a> StepBounds<'a> {
         // Another of its segments may have made them large enough.
         if distance > f64::from(*max_displacement) {
             *max_displacement = (distance * GROWTH) as f32;
+            // Bounds grow around their present centre: that of the last renewal, or of the
+            // beginning of the step.
             let at = index as usize;
             let of_step = || (self.particles.positions[at], [0; 2]);
             let (center, tile) = self.renewed.center(at).unwrap_or_else(of_step);
@@ -330,6 +348,8 @@ impl<'a> StepBounds<'a> {
     fn cover_by_chain(&mut self, outside: &Outside, gravity: Vector, end: f64) -> Result<()> {
         let Outside { index, segment, .. } = *outside;
         let Segment { time, position: [x, y], velocity: [u, v], .. } = segment;
+        // A segment may be reported several times in a window. Its bits name it, so one chain is
+        // made.
         let key = [f64::from(index), time, x, y, u, v].map(f64::to_bits);
         if !self.grown.chained.insert(key) {
             return Ok(());
@@ -349,6 +369,9 @@ impl<'a> StepBounds<'a> {
         if count > MAX_CIRCLES {
             return Err(Error::TooManyCandidates { limit: MAX_NEW });
         }
+        // Each circle stands for the same time. In it the particle travels at most displacement /
+        // count, so at most half of this before and after the middle. The factor is a reserve for
+        // rounding.
         let interval = (end - time) / count;
         let radius = self.particles.radii[index as usize];
         let radius = (f64::from(radius) + 0.5 * displacement / count) as f32 * 1.001;
@@ -356,6 +379,9 @@ impl<'a> StepBounds<'a> {
         for number in 0..count as usize {
             let times = [number, number + 1].map(|number| time + number as f64 * interval);
             let middle = segment.position_at(0.5 * (times[0] + times[1]), gravity);
+            // Trajectories are not wrapped within a step, but the tree is on the torus. The tile
+            // tells how often the particle has travelled around, so the offset of a pair is a
+            // difference of tiles.
             let tile = period.turns_of(middle);
             let offset = period.span(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
@@ -389,6 +415,7 @@ impl Bounds for StepBounds<'_> {
     fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64> {
         let (seconds, usual_speed) = self.crowding.horizon(now, left);
         let Self { particles, settings, max_displacements, grown, renewed, .. } = self;
+        // The circles that have grown enlarge the old bounds.
         grown.circles.clear();
         let allowed = (seconds as f32, usual_speed);
         renewed.rebuild(now, allowed, (particles, settings), max_displacements)?;
@@ -398,6 +425,8 @@ impl Bounds for StepBounds<'_> {
 
     fn begin_window(&mut self) {
         self.grown.tests = 0;
+        // A whole circle lasts as long as the bounds that it enlarges. The times of a chain are
+        // those of its window.
         self.grown.circles.retain(Circle::is_whole);
         self.grown.chained.clear();
     }
@@ -426,7 +455,9 @@ impl Bounds for StepBounds<'_> {
         let filtered = if all.filters.is_empty() { &[][..] } else { &circles[..] };
         let filters = filtered.iter().map(|circle| all.filter(circle.index as usize));
         fill_filters(filters, columns.filters);
+        // Ties need no order: only the list of candidate pairs depends on this tree.
         tree.rebuild_unchecked(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
+        // The stack is taken out, because the search borrows the rest of `self`.
         let mut stack = std::mem::take(&mut self.grown.stack);
         let found = self.find_pairs(known, &mut stack, pairs);
         self.grown.stack = stack;
@@ -449,7 +480,11 @@ impl StepBounds<'_> {
         let most = MAX_TESTS.max(MAX_TESTS_OF_EACH * self.particles.len());
         let (renewed, period) = (self.renewed.tree(), self.container.period().exact());
         let present = renewed.unwrap_or(self.tree);
+        // Two trees hold all particles: one the bounds that all had at first or at the renewal, the
+        // other the circles that have been added since.
         let trees = [present, tree];
+        // The root has the largest radius of its tree. The centres are on the torus, so an image
+        // farther away than both radii cannot overlap.
         let largest = trees.map(|tree| tree.bounds().first().map_or(0.0, |root| root.radius));
         let largest = largest[0].max(largest[1]);
         let mut pulse = Pulse::current();
@@ -469,9 +504,13 @@ impl StepBounds<'_> {
                 });
                 let mut add = |other: u32, tile: [i32; 2], lasts: bool| {
                     if other != circle.index {
+                        // The tile of the first, and the image in which both overlap, lead to the
+                        // copy of the torus in which the other has its circle. Its own tile counts
+                        // back to where it is.
                         let tile = [0, 1].map(|k| circle.tile[k] + image[k] - tile[k]);
                         let offset = period.span(tile);
                         let pair = [circle.index, other];
+                        // A pair of a circle of a chain is known for this window only.
                         pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
                     }
                 };
@@ -487,6 +526,8 @@ impl StepBounds<'_> {
                 let work = each_overlap(tree, &of, 0.0, stack, |index| {
                     let other = &circles[tree.rows()[index] as usize];
                     let [start, end] = other.times;
+                    // Circles of two chains matter only if both particles are in them at the same
+                    // time.
                     if start <= circle.times[1] && circle.times[0] <= end {
                         add(other.index, other.tile, other.is_whole());
                     }

@@ -38,6 +38,8 @@ impl World {
     /// Returns how many times the usual number of sub-steps the contacts need, on all processes.
     pub(crate) fn make_contacts(&mut self, plan: &Plan) -> Result<usize> {
         let threads = plan.threads;
+        // What passes through others has neither contacts nor impacts, so its pairs leave the lists
+        // first.
         self.take_pairs_that_pass();
         let is_mixed = self.find_lossy(plan.is_lossless);
         let Self {
@@ -47,6 +49,10 @@ impl World {
         events.take_pairs(particles.len(), pairs, threads);
         let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
         let to = (&mut *overlaps, overlap_parts);
+        // Which pairs become contacts must follow from the state of the two. Candidate pairs are
+        // more where bounds are larger, and bounds depend on the speeds of all particles. If all
+        // candidates became contacts, a fast particle far away would change the colours, and with
+        // them the order of solving and the bits of a pile.
         if plan.may_rest {
             let free = FreeDisplacements::new(settings, forces, plan.dt);
             reaches.clear();
@@ -67,6 +73,8 @@ impl World {
         } = self;
         contacts.colour(&scratch.overlaps, particles, threads);
         interrupt::check()?;
+        // Ranks solve colour after colour together, with an exchange of ghosts between. So all need
+        // the same number of colours and rounds, and the same number of sub-steps.
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement(plan));
         let (shape, refinement) = self.halo.protocol().agree_on_order(self, shape, refinement)?;
         let Self {
@@ -77,6 +85,8 @@ impl World {
             ..
         } = self;
         let lists = &scratch.overlaps;
+        // The rows of the tree are the indices that the particles had in the last step. By these
+        // the impulses for warm starting are found.
         let before = scratch.tree.rows();
         let StepScratch { lossy, .. } = &*scratch;
         let materials = Materials { particles, lossy, restitution: settings.restitution };
@@ -103,6 +113,8 @@ impl World {
             return false;
         }
         scratch.lossy.extend((0..particles.len()).map(|index| loses_energy(particles, index)));
+        // An empty list means that there is nothing to distinguish. Other ranks may have elastic
+        // particles, so one rank cannot decide this by itself.
         if halo.is_alone() && scratch.lossy.iter().all(|&lossy| lossy) {
             scratch.lossy.clear();
             return false;
@@ -118,6 +130,8 @@ impl World {
             self;
         let StepScratch { lossy, overlaps, .. } = scratch;
         let own = |index: usize| loses_energy(particles, index);
+        // The test reads the particles and not the list that it writes. So only direct neighbours
+        // are added, and the order of the pairs changes nothing.
         for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
             let [a, b] = pair.map(|index| index as usize);
             lossy[a] |= own(b);
@@ -173,6 +187,8 @@ fn find_pairs(
     overlaps.resize_with(pairs.len(), Default::default);
     for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
         *image_of_list = *image;
+        // Parts have a fixed size, and are joined in their order: the list is the same for every
+        // number of threads.
         let count = pairs.len().div_ceil(FILTERED);
         scratch.resize_with(scratch.len().max(count), Vec::new);
         let parts = scratch.iter_mut().zip(pairs.chunks(FILTERED));
@@ -182,6 +198,8 @@ fn find_pairs(
         });
         list.clear();
         list.extend(scratch[..count].iter().flatten());
+        // Candidates are sorted only where something may rest. The contacts of other worlds need an
+        // order that follows from the state, too.
         if !list.is_sorted() {
             list.sort_unstable();
         }

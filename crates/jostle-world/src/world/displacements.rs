@@ -11,6 +11,8 @@ use jostle_base::ids::Id;
 impl World {
     /// The smallest id of a particle with this `number`, for an error.
     pub(crate) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
+        // The number comes from the same function, so equality finds its particle. Of several it is
+        // the smallest id, which depends on no order.
         let indices = (0..self.bodies.awake.rows.len()).filter(|&index| of(index) == number);
         indices.map(|index| self.id_among_all(self.bodies.awake.rows[index])).min().unwrap_or(0)
     }
@@ -51,6 +53,7 @@ impl World {
         if self.settings.on_touch != OnTouch::Merge {
             return Ok(1);
         }
+        // The longest of all ranks, because all must make the same number of parts.
         let [longest] = self.halo().largest([f64::from(self.longest_displacement(dt))])?;
         let parts = longest as f32 / self.settings.container.max_displacement();
         Ok(parts.ceil().max(1.0) as usize)

@@ -30,8 +30,11 @@ impl World {
                 if all.movable.get(index) != Some(&false) {
                     continue;
                 }
+                // Several motors may drive one particle. Each notes what it found, so restoring in
+                // reverse order ends with the first velocity.
                 before.particles.push((index, all.velocities[index], all.spin(index).velocity));
                 let position = exact(all.positions[index], all.residuals[index]);
+                // On a torus a particle turns about the nearest image of the centre.
                 let offset =
                     self.settings.container.period().exact().minimum_image(drive.offset(position));
                 all.velocities[index] = drive.velocity_at(offset);
@@ -59,6 +62,7 @@ impl World {
         for (wall, velocity) in before.walls.into_iter().rev() {
             self.walls.set_velocity(wall, velocity);
         }
+        // An angular velocity may have added the column of spins.
         self.bodies.awake.particles.simplify();
     }
 

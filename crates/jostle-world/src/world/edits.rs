@@ -14,6 +14,7 @@ impl World {
     /// Adds particles after the others and returns their ids, which are above all ids before. An
     /// immovable one wakes all.
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
+        // All checks come before the first change. So a refused call leaves the world as it was.
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
         self.influences.check_kinds(&particles.kinds)?;
@@ -23,6 +24,8 @@ impl World {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
         let ids = self.bodies.ids.add(particles.len())?;
+        // A step tests only particles that move against sleeping ones. So an immovable particle put
+        // on a sleeping island would never wake it.
         if !particles.movable.iter().all(|&movable| movable) {
             self.wake_all();
         }
@@ -42,6 +45,7 @@ impl World {
         if rows.is_empty() {
             return Ok(());
         }
+        // Islands wake while rows still have their old meaning.
         self.wake_changed(&rows);
         let mut gone = vec![false; self.len()];
         rows.iter().for_each(|&row| gone[row as usize] = true);
@@ -61,6 +65,7 @@ impl World {
             shifted.push(left);
             left += u32::from(!gone);
         }
+        // Columns of awake particles are by index; `gone` and `shifted` are by row.
         let keep: Vec<bool> =
             self.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
@@ -127,6 +132,7 @@ impl World {
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
         self.influences.check_kinds(&copy.kinds)?;
+        // A residual is what rounding removed from the old centre. It would displace the new one.
         let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
@@ -151,6 +157,7 @@ impl World {
         if let Some(kinds) = &changes.kinds {
             kinds.check(|kinds| self.influences.check_kinds(kinds))?;
         }
+        // The copies are made only if some part of the world must know what changes.
         if self.may_wake() {
             let before = self.bodies.particles_in(rows);
             let mut after = before.clone();
@@ -179,11 +186,15 @@ impl World {
         for (nth, &row) in rows.iter().enumerate() {
             match Effect::of(before, after, nth) {
                 Effect::None => {}
+                // A new velocity of an immovable particle concerns only what touches it. A new
+                // position may concern islands that nothing here knows of.
                 Effect::Velocity if !before.movable[nth] => driven.push(row),
                 _ => changed.push(row),
             }
         }
         for index in self.bodies.indices_of(&changed) {
+            // What was observed of the particle does not hold after the change. It is observed for
+            // two whole quarters again before it may sleep.
             if let Some(drift) = self.bodies.awake.persistent.drifts.get_mut(index as usize) {
                 *drift = Drift::UNKNOWN;
             }

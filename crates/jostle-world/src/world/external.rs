@@ -42,6 +42,7 @@ impl World {
         let rows = self.bodies.rows_of(ids)?;
         check_vectors("forces", newtons)?;
         let external = self.external_accelerations();
+        // Sums are in float64, so that several forces on one particle are rounded once.
         let mut sums: Vec<[f64; 2]> =
             external.iter().map(|external| external.map(f64::from)).collect();
         sums.resize(self.len(), [0.0; 2]);
@@ -52,6 +53,7 @@ impl World {
             sums[row] = [0, 1].map(|k| sums[row][k] + f64::from(force[k]) / mass);
         }
         let sums: Vec<[f32; 2]> = sums.into_iter().map(|sum| sum.map(|a| a as f32)).collect();
+        // Forces in range may add up to an acceleration out of range, for instance of a small mass.
         if let Some(index) =
             rows.iter().position(|&row| check_vectors("forces", &[sums[row as usize]]).is_err())
         {
@@ -83,6 +85,8 @@ impl World {
         }
         let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);
         let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
+        // All ranks must make the same stages of a step, so all have external accelerations or
+        // none.
         let acts = self.halo().any(!rows.is_empty())?;
         if acts {
             self.halo.protocol().wake_edited(self, &mut [], &rows)?;

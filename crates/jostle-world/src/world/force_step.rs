@@ -79,10 +79,14 @@ impl World {
             self.bodies.asleep.len(),
             &mut scratch.indices,
         );
+        // The sub-steps are those before refinement, which needs the contacts. If there are more in
+        // the end, `apply_forces_in_substep` computes the accelerations again.
         let h = dt / substeps as f32;
         let particles = &self.bodies.awake.particles;
         if has_accelerations {
             let all = particles.positions.iter().zip(&particles.velocities);
+            // Accelerations where the free flight is in the middle of the sub-step make kicks and
+            // flight a leapfrog method, which is symplectic and of second order.
             scratch.halfway.clear();
             let wrap = |there| settings.container.period().wrap(there);
             scratch.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
@@ -95,6 +99,8 @@ impl World {
         let displacement = |index: usize| {
             force_displacement(accelerations.get(index), max_displacements.get(index), dt)
         };
+        // A particle must not leave the range of coordinates. This is refused before anything has
+        // moved.
         let longest = (0..particles.len()).filter_map(displacement).fold(0.0, f32::max);
         if longest <= particles::FARTHEST {
             return Ok(());
@@ -130,6 +136,7 @@ impl World {
 
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(crate) fn accelerate(&mut self, h: f32) -> Result<()> {
+        // Forces sort by a tree. All ranks need the same extent, or the Morton order would differ.
         let extent = self.everywhere().extent(&self.scratch.forces.halfway)?;
         let Self {
             bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
@@ -143,6 +150,8 @@ impl World {
         let bodies = bodies(particles, halfway, (rows, indices), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
         self.influences.accelerate(&bodies, scratch, accelerations);
+        // External accelerations come after the limits of forces, so the speed limits of a flock do
+        // not cut them.
         add_external(accelerations, rows, external.as_deref());
         interrupt::check()?;
         self.halo.protocol().share_accelerations(self)
@@ -156,6 +165,8 @@ impl World {
             &mut self.bodies.awake.particles;
         parallel::for_chunks(threads, velocities, |first, velocities| {
             for (velocity, index) in velocities.iter_mut().zip(first..) {
+                // The random numbers follow from the state of the particle, the seed and the time.
+                // So they depend on no index, no thread and no other particle.
                 let ([x, y], [a, b], [u, v]) = (positions[index], residuals[index], *velocity);
                 let state = [x, y, a, b, u, v].map(f64::from);
                 let [x, y, a, b, u, v] = state;
@@ -183,6 +194,8 @@ pub(crate) fn awake_springs<'a>(
     influences: &'a Influences,
     indices: &'a [u32],
 ) -> impl Iterator<Item = &'a forces::Spring> + Clone {
+    // A spring joins its movable ends to one island, so both sleep or none. Immovable ends never
+    // sleep.
     let is_awake =
         |spring: &&forces::Spring| spring.pair.iter().all(|&row| indices[row as usize] != ASLEEP);
     influences.springs().flat_map(|springs| &springs.0).filter(is_awake)
@@ -243,6 +256,8 @@ pub(crate) fn force_displacement(
     max_displacement: Option<&f32>,
     dt: f32,
 ) -> Option<f32> {
+    // The displacement is ½ |a| dt², and |a| is at most √2 times its larger component. So this is
+    // an upper bound of it.
     let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
     match (pulled, max_displacement) {
         (None, None) => None,

@@ -73,6 +73,8 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
     let (offset, displacement) = (both(Motions::position), both(Motions::displacement));
     let end = [0, 1].map(|k| offset[k] + f64::from(candidate.image[k]));
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    // Two straight paths are nearest where the relative position is at a right angle to the
+    // relative displacement.
     // The share of the displacement, back from its end, at which they are nearest.
     let back = if dot(displacement, displacement) > 0.0 {
         dot(end, displacement) / dot(displacement, displacement)
@@ -96,6 +98,8 @@ impl World {
         let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
         self.scratch.candidate_merges = candidates;
         let protocol = self.halo.protocol();
+        // A merged particle is larger, and may overlap others that none of its parts has touched.
+        // Each iteration merges these. The limit bounds the time of a step; the next step goes on.
         for _ in 0..ROUNDS {
             let own = self.halo.own_rows();
             // Pairs of two ghosts are found by the processes that own these particles.
@@ -125,11 +129,14 @@ impl World {
 
     /// Merges each island of these pairs of indices; returns whether any merged.
     pub(crate) fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
+        // All that touch, also through others, become one particle at once. If pairs merged one
+        // after the other, the result would depend on their order.
         let mut groups = DisjointSets::default();
         groups.reset(self.len());
         touching.iter().for_each(|&[a, b]| groups.join(a, b));
         let mut members: Vec<[u32; 2]> =
             touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+        // By islands, then by indices: `union` adds in the canonical order.
         members.sort_unstable();
         members.dedup();
         // The new row of each old one, before renumbering: the smallest of its island.
@@ -182,6 +189,7 @@ impl World {
         let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
         let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.bodies.ids.of(row)));
         let merged = merged.collect();
+        // A copy of all ids is needed only by steps in which something merges.
         self.scratch.before.ids.get_or_insert_with(|| self.bodies.ids.clone());
         self.inherit(heirs);
         let shifted = self.take_out(&gone);
@@ -229,6 +237,8 @@ pub(crate) fn union(
     indices: &[usize],
     container: &Container,
 ) -> Option<Particles> {
+    // Offsets from one member keep their digits far from the origin, and on a torus the members are
+    // where their nearest images are.
     let origin = all.positions[indices[0]].map(f64::from);
     let mut mass = 0.0f64;
     let mut square = 0.0f64;
@@ -250,6 +260,8 @@ pub(crate) fn union(
     if !(whole <= MASS_RANGE[1] && radius <= FARTHEST && container.check_fit(&[radius]).is_ok()) {
         return None;
     }
+    // An immovable particle must not move, so a merger with one does not conserve momentum. The
+    // comparison is strict: of equal masses the first in the canonical order counts.
     // The position is that of the heaviest immovable particle, if there is any.
     let anchors = indices.iter().filter(|&&index| !all.movable[index]);
     let anchor = anchors
@@ -310,6 +322,8 @@ fn spin_of(all: &Particles, indices: &[usize], container: &Container, radius: f3
     let velocity = |index: usize| all.velocities[index].map(f64::from);
     let [mut mass, mut friction, mut angular] = [0.0f64; 3];
     let [mut moment, mut momentum] = [[0.0f64; 2]; 2];
+    // Orbital angular momentum about the first member, and that of rotation with the moment of
+    // inertia m r²/2.
     for &index in indices {
         let (own, spin) = (f64::from(all.masses[index]), all.spin(index));
         let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
