@@ -259,6 +259,7 @@ impl World {
     /// Changes the settings. If they are refused, the old ones stay. All particles wake, unless only
     /// settings without influence on the results change.
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
+        // All that may be refused comes first, also the walls, whose tree may fail.
         settings.validate()?;
         settings.container.check_fit(&self.bodies.radii())?;
         self.influences.check_fit(settings.container)?;
@@ -269,6 +270,8 @@ impl World {
             let walls = self.walls.all().to_vec();
             Some(Walls::new(walls, settings.container, settings.tree)?)
         };
+        // The method, the tree and the tracking of events change no result, so nothing wakes for
+        // them.
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             self.wake_all();
@@ -276,6 +279,8 @@ impl World {
         }
         if let Some(walls) = new_walls {
             self.walls = walls;
+            // The numbers of sides have another meaning in another container, and the scales of
+            // domains have the period of the old one.
             self.wall_impulses.clear();
             self.halo.forget_domains();
         }
@@ -300,6 +305,8 @@ impl World {
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
         self.bodies.awake.persistent.drifts.clear();
+        // A wall that keeps its ends keeps its impulses for warm starting, so that a pile on it
+        // stays at rest when another wall changes.
         let is_kept = |index: u32| {
             let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(index as usize));
             old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)

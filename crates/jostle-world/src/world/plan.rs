@@ -84,6 +84,7 @@ impl World {
             has_friction: agreed.map_or_else(own_friction, |agreed| agreed.has_friction),
             has_accelerations: self.has_accelerations(),
             has_springs,
+            // Resting contacts and springs change velocities after the bounds are made.
             is_bounded: !may_rest && !has_springs,
             threads: self.threads(substeps, may_rest),
         }

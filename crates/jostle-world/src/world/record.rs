@@ -114,6 +114,8 @@ impl Record {
 
     /// The pairs that began and ceased to touch.
     pub(crate) fn events(&self) -> TouchEvents {
+        // With B before, D during and E at the end: entered = (D ∪ E) \ B, stayed = B ∩ E and left
+        // = (B ∪ D) \ E. A pair that has touched in between is both in `entered` and in `left`.
         let during = self.sorted();
         let touched = union(&self.at_end, &during);
         TouchEvents {
@@ -161,6 +163,7 @@ impl Record {
     /// Begins a step.
     pub(crate) fn begin_step(&mut self) {
         self.of_step = Collisions::default();
+        // A step only appends pairs, so their number is enough to remove them again.
         self.at_begin.0 = self.during.len();
         self.at_begin.1.clone_from(&self.merged);
     }
@@ -293,6 +296,7 @@ fn union(a: &[[Id; 2]], b: &[[Id; 2]]) -> Vec<[Id; 2]> {
 
 /// The pairs of a sorted list that are not in another, and those that are.
 fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> (Vec<[Id; 2]>, Vec<[Id; 2]>) {
+    // Both lists are sorted, so one pass over them is enough.
     let mut rest = other;
     all.iter().partition(|pair| {
         while let Some((first, others)) = rest.split_first()

@@ -91,12 +91,17 @@ impl Everywhere<'_> {
     /// processes.
     pub(crate) fn mean<V>(self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
         let own = self.own_or(0.0, column.iter().map(number));
+        // The sum of floating-point numbers depends on their order, and so on ranks and threads.
+        // The numbers are scaled to whole ones by the largest of all ranks, which is the same in
+        // any order.
         let [most] = self.halo.largest([f64::from(largest(own))])?;
+        // There is nothing to scale by.
         if most == 0.0 {
             return Ok(0.0);
         }
         // Whole numbers have sums without rounding. To add 2⁵² rounds a number below 2³¹ and puts
         // it into the last bits.
+        // A world has fewer than 2³¹ particles, so the sum is below 2⁶².
         let scale = f64::from(i32::MAX) / most;
         let whole = |value: &V| (f64::from(number(value)) * scale + WHOLE).to_bits() - WHOLE_BITS;
         let [sum] = self.halo.sum([self.own_or(0, column.iter().map(whole)).sum()])?;

@@ -25,7 +25,9 @@ impl World {
     /// the particles that touch as the part begins. Two ghosts do not count: their states may be
     /// wrong in later parts of a step, and the process of one of them has the pair too.
     pub(crate) fn own_refinement(&self, plan: &Plan) -> usize {
+        // The number that a caller has set is used as it is.
         let is_free = self.settings.substeps.is_none() && plan.may_rest;
+        // Colouring has found whether any masses differ much. Most worlds need no search.
         if !is_free || !self.contacts.has_uneven() {
             return 1;
         }

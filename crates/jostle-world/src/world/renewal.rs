@@ -52,6 +52,7 @@ impl World {
     pub(crate) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
         self.scratch.usual_speed = self.usual_speed()?;
         self.scratch.horizon = dt;
+        // Only events in the order of time can take new candidates within a step.
         if self.settings.on_touch != OnTouch::Bounce {
             return Ok(());
         }
@@ -109,6 +110,8 @@ impl Crowding {
         let Self { density, radius, max_parts, acceleration, .. } = *self;
         let displacement = usual_speed * dt + 0.5 * acceleration * dt * dt;
         let least = TAU * density * radius * radius;
+        // Solved for d: 2 π n (r + d)² is twice the number that particles at rest would have, plus
+        // `CANDIDATES`. The second term counts in a dilute gas, the first in a dense one.
         let clearance = ((2.0 * least + CANDIDATES) / (TAU * density)).sqrt() - radius;
         let parts = (displacement / clearance).ceil();
         // Not finite where there is no area.
@@ -133,9 +136,11 @@ impl Crowding {
     /// they allow for.
     pub(crate) fn horizon(&self, now: &[Start], left: f64) -> (f64, f32) {
         let speed = |of: &Start| dot(of.velocity.map(f64::from), of.velocity.map(f64::from)).sqrt();
+        // The order of this sum may be any: the horizon changes no result.
         let mean = now.iter().map(speed).sum::<f64>() / now.len() as f64;
         let usual = f64::from(USUAL) * mean;
         let mut parts = self.parts(usual, left);
+        // The mean says nothing of one fast particle, whose circle soon contains the whole torus.
         if self.is_torus {
             let all = now.iter().map(|of| self.collisions(of.velocity, of.radius));
             parts = parts.max(Self::parts_of_the_fastest(all.fold(0.0, f64::max) * left));
@@ -196,6 +201,8 @@ impl Renewed {
         let container = &settings.container;
         *is_used = true;
         tiles.clear();
+        // Trajectories are not wrapped within a step. The centre is moved to the torus for the
+        // tree, and the tile keeps how often the particle has travelled around.
         let period = container.period().exact();
         tiles.extend(now.iter().map(|of| period.turns_of(of.position.map(f64::from))));
         centers.clear();
@@ -219,6 +226,7 @@ impl Renewed {
             all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
         );
         fill_filters(particles.filters.iter().copied(), columns.filters);
+        // Ties need no order: only the list of candidate pairs depends on this tree.
         tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
     }
 
@@ -240,6 +248,8 @@ impl Renewed {
             let image = period.turns_of(image.map(f64::from));
             for pair in pairs {
                 let [a, b] = pair.map(|index| tree.rows()[index as usize] as usize);
+                // The image is between the centres on the torus. With both tiles it becomes the
+                // offset between the trajectories, which are not wrapped.
                 let tile = [0, 1].map(|k| image[k] + tiles[a][k] - tiles[b][k]);
                 let pair = [a as u32, b as u32];
                 if particles.is_sensor(a) || particles.is_sensor(b) {

@@ -13,6 +13,8 @@ impl World {
         let scratch = &mut self.scratch;
         let order = scratch.tree.rows();
         let before = &mut scratch.before;
+        // The first reordering writes into the spare columns of `before` and exchanges them. So
+        // `before` has the old state without a copy. Later parts of the step must not overwrite it.
         let spare = if before.is_reordered { &mut scratch.spare } else { &mut before.discs };
         let Discs { particles, rows, persistent } = spare;
         particles.gather(&self.bodies.awake.particles, order, threads);

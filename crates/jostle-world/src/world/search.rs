@@ -34,6 +34,7 @@ pub(crate) fn list(
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
     let ListScratch { join, sorting } = scratch;
+    // Within one tree, the other half of the images has the same pairs with exchanged particles.
     let images = iter::once([0.0; 2]).chain(settings.container.period().half_of_images());
     let (mut count, mut tests) = (0, 0);
     for image in images {
@@ -57,6 +58,7 @@ pub(crate) fn list(
             Error::TooManyPairs { max_pairs } => Error::TooManyCandidates { limit: max_pairs },
             other => other,
         })?;
+        // A large circle may overlap its own image. A particle does not collide with itself.
         if !is_within {
             found.pairs.retain(|pair| pair[0] != pair[1]);
         }

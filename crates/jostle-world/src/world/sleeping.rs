@@ -159,6 +159,8 @@ impl World {
     /// Whether anything may fall asleep with the present settings and forces.
     pub(crate) fn may_sleep(&self) -> bool {
         let settings = &self.settings;
+        // A force that acts at a distance would have to wake what it moves. Springs connect
+        // particles of one island, or an island and an immovable particle.
         let lets_rest = |influence: &Influence| match influence.role() {
             Role::Springs(_) | Role::Motor(_) | Role::Thermostat(_) => true,
             Role::Force(_) | Role::ThermalWalls(_) | Role::Andersen(_) => false,
@@ -178,6 +180,8 @@ impl World {
             return Ok(());
         }
         self.note_velocities(dt, plan.threads);
+        // Quarters are counted from time 0, and not from the moment when an island came to rest. So
+        // all processes, and a world that was restored, end them in the same step.
         let quarter = |time: f64| ((time + SHORTER) / QUARTER).floor();
         if quarter(self.time) == quarter(self.time + dt) {
             return Ok(());
@@ -194,6 +198,9 @@ impl World {
 
     /// Moves islands to the sleeping ones. If there is an error on any process, nothing changes.
     pub(crate) fn put_to_sleep(&mut self, sleepers: Sleepers) -> Result<()> {
+        // The tree, the pairs and the messages may fail on any process. All wait until each knows
+        // of the others. Only then particles leave the columns, so an error leaves all where they
+        // are.
         let count = sleepers.islands.len();
         let done = if count > 0 {
             self.bodies.asleep.append(&sleepers, self.settings.tree)
@@ -243,19 +250,29 @@ impl World {
         drifts.resize(rows.len(), Drift::UNKNOWN);
         parallel::for_chunks(threads, drifts, |first, drifts| {
             for (drift, index) in drifts.iter_mut().zip(first..) {
+                // A disc that turns in place is not at rest: friction would carry what lies on it.
                 let surface = spins.get(index).map_or(0.0, |spin| spin.velocity * radii[index]);
                 let [u, v] = velocities[index];
                 let [x, y, turn] = [u, v, surface].map(f64::from);
                 let square = (x * x + y * y).max(turn * turn);
+                // A particle that keeps its energy may be slow at its highest point, and does not
+                // come to rest.
                 let is_elastic = settings.restitution * restitutions[index] == 1.0;
+                // √(g r) is the unit of speed, so the rule is the same for discs of any size and
+                // any gravity.
                 if is_elastic || square > FAST * FAST * gravity * f64::from(radii[index]) {
+                    // An infinite displacement stays infinite in the sum, so the whole quarter
+                    // counts as fast.
                     drift.now = [f32::INFINITY; 3];
                 } else {
+                    // Displacements are added as vectors. Vibrations cancel, and motion in one
+                    // direction does not.
                     let moved = [x, y, turn].map(|speed| (speed * dt) as f32);
                     drift.now = [0, 1, 2].map(|k| drift.now[k] + moved[k]);
                 }
             }
         });
+        // An exhausted particle stands still because its events were cut off, not because it rests.
         if !self.scratch.exhausted.is_empty() {
             for (drift, row) in drifts.iter_mut().zip(&*rows) {
                 if self.scratch.exhausted.binary_search(row).is_ok() {
@@ -263,6 +280,7 @@ impl World {
                 }
             }
         }
+        // The force of a caller may hold a particle for the moment only.
         if let Some(external) = external {
             for (drift, &row) in drifts.iter_mut().zip(&*rows) {
                 if external[row as usize] != [0.0; 2] {
@@ -287,6 +305,9 @@ impl World {
             let relative = |v: f32| if v == 0.0 { 0.0 } else { f64::from(v) / limit };
             let both = [&*before, &*now].map(|drift| drift.map(relative));
             squares.push(both.map(|[x, y, turn]| (x * x + y * y).max(turn * turn) as f32));
+            // A slow particle changes by 2 at most. Others keep their island awake in any case, so
+            // the limit cuts nothing that counts, and the sums stay far from the limits of their
+            // type.
             let change = |k: usize| (both[1][k] - both[0][k]).clamp(-2.0, 2.0) / UNIT;
             changes.push([0, 1, 2].map(|k| change(k).round() as i64));
             (*before, *now) = (*now, [0.0; 3]);
@@ -304,6 +325,7 @@ impl World {
         let sleeping = &mut scratch.sleeping;
         sleeping.members.clear();
         let mut all = sleeping.squares.iter().enumerate();
+        // Most quarters end without a slow particle. Then this question is all that ranks exchange.
         let may_sleep = all.any(|(index, &squares)| {
             is_slow(squares) && particles.movable[index] && rows[index] < own
         });
@@ -323,6 +345,7 @@ impl World {
             }
         }
         members.sort_unstable();
+        // Other ranks wait for this one in what follows, also if it has no member.
         Ok(!self.halo.is_alone() || !self.scratch.sleeping.members.is_empty())
     }
 
@@ -379,6 +402,8 @@ impl World {
         let tied = awake_springs(influences, indices)
             .map(|spring| spring.pair.map(|row| indices[row as usize]));
         groups.reset(movable.len());
+        // Three reasons join two particles: they were near by themselves when the step began, they
+        // touched in it, or a spring connects them.
         let touching = contacts.touching().map(|contact| contact.indices);
         let near = overlaps.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
         for pair in near.copied().chain(touching).chain(tied.clone()) {
@@ -389,6 +414,7 @@ impl World {
             }
         }
         rests.clear();
+        // Pushes are those of the last sub-step. A bounce has none, so it is no support.
         let is_on_wall = |row: u32| {
             let first = wall_impulses.partition_point(|of| of.row < row);
             let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
@@ -399,12 +425,15 @@ impl World {
                 if is_on_wall(row) { Rest::Supported } else { Rest::Free }
             },
         ));
+        // Only contacts with an impulse carry anything. Surfaces that merely touch support nothing.
         let pressed = contacts.lasting().filter(|contact| contact.impulse > 0.0);
         for pair in pressed.map(|contact| contact.indices).chain(tied) {
             let [a, b] = pair.map(|index| index as usize);
             let rest = if movable[a] && movable[b] { Rest::OnOther } else { Rest::Supported };
             [a, b].into_iter().for_each(|index| rests[index] = rests[index].max(rest));
         }
+        // A kinematic particle is a member of its island, and as a member without support it keeps
+        // the island awake. Static particles are no members.
         for (rest, &movable) in rests.iter_mut().zip(movable) {
             if !movable {
                 *rest = Rest::Free;
@@ -430,6 +459,7 @@ impl World {
         discs.particles.simplify();
         dense::gather(&mut discs.rows, rows, &order, Some(1));
         discs.persistent.gather(persistent, &order, Some(1));
+        // After waking, an island is observed for two whole quarters again.
         discs.persistent.drifts.clear();
         island_of.clear();
         island_of.resize(rows.len(), NONE);
@@ -453,10 +483,12 @@ impl World {
         let lasting = contacts.lasting().filter_map(|contact| {
             // An immovable particle has no island.
             let islands = contact.indices.map(|index| island_of[index as usize]);
+            // `NONE` is the largest number, so the smaller one is an island if there is one.
             let island = islands.into_iter().min().filter(|&of| of != NONE);
             island.map(|island| (island, *contact))
         });
         let mut of_islands: Vec<_> = lasting.collect();
+        // The sort is stable, so the contacts of an island keep the canonical order.
         of_islands.sort_by_key(|&(island, _)| island);
         if halo.keep_contacts(new, &of_islands, rows) {
             return;

@@ -40,6 +40,8 @@ impl World {
         }
         let _awake = self.keep_threads_awake();
         for _ in 0..steps {
+            // Where all that can move sleeps, nothing changes. The ranks of a distributed world
+            // find this out together, in `migrate`.
             let done = if self.halo.is_whole() && self.is_still() {
                 self.skip_step()
             } else {
@@ -68,14 +70,21 @@ impl World {
     /// wake, so that the loop ends. An attempt on which processes do not agree is repeated with more ghosts.
     fn step_until_complete(&mut self, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
         let single = dt as f32;
+        // Motors drive before the first attempt, because all attempts begin with the same
+        // velocities. They are taken back only if the step fails.
         let driven = self.drive(f64::from(single));
         let protocol = self.halo.protocol();
         let mut repeat = |world: &mut Self| {
             let mut wakings = 0;
+            // An attempt completes, or leaves no trace in the world. What it has learned decides
+            // how the next one begins: which islands wake, or how wide the halo is. The loop ends.
+            // Each waking removes sleeping islands, and the last removes all. Each disagreement
+            // doubles the margin of the halo, until every rank has all particles.
             loop {
                 protocol.gather(world, single)?;
                 world.begin();
                 let outcome = world.step_once(single, watch).and_then(|plan| world.end(&plan, dt));
+                // An attempt that failed with an error is undone as well.
                 if !matches!(outcome, Ok(Outcome::Complete)) {
                     world.undo();
                     protocol.undo(world);
@@ -91,12 +100,15 @@ impl World {
             }
         };
         let done = protocol.guard(self, &mut |world| {
+            // All that follows is within `guard`. So an error of one rank ends the step on all, and
+            // none waits for a message that never comes.
             protocol.begin_step(world);
             world.check_displacements(single)?;
             world.walls.check_displacements(f64::from(single))?;
             if !protocol.migrate(world)? {
                 return Ok(());
             }
+            // Between attempts the islands must stay awake, so waking is taken back only here.
             repeat(world).inspect_err(|_| {
                 protocol.give_up(world);
                 world.cancel_waking();
@@ -123,12 +135,14 @@ impl World {
             Some(known) => known,
             None => self.halo.protocol().compare(self)?,
         };
+        // If ranks contradict each other, the islands that they would touch may be wrong, too.
         if agreement != Agreement::Same {
             return Ok(Outcome::Disagreement(agreement));
         }
         if self.scratch.meets_sleepers {
             return Ok(Outcome::MeetsSleepers);
         }
+        // From here on the attempt counts, unless there is an error.
         self.apply_andersen(dt as f32, plan.threads);
         self.keep_wall_pushes();
         touches::add_up(&mut self.wall_impulses);
@@ -136,6 +150,7 @@ impl World {
             let touching = self.contacts.touching().map(|contact| contact.indices);
             self.record_pairs(&touching.collect::<Vec<_>>());
         }
+        // Falling asleep is the last that may fail. What comes after it cannot be undone.
         self.fall_asleep(plan, dt)?;
         self.forget_woken();
         self.record.end_step();
@@ -154,6 +169,7 @@ impl World {
             part += 1;
             self.halo.protocol().renew(self, dt)?;
             interrupt::check()?;
+            // Forces come first, because bounds must contain the displacements by them.
             self.apply_forces(dt, substeps)?;
             if !self.influences.is_empty() || self.external.is_some() {
                 watch(Stage::Forces, self);
@@ -165,14 +181,19 @@ impl World {
             self.build_tree()?;
             watch(Stage::Build, self);
             interrupt::check()?;
+            // As early as possible, because the attempt is undone if this is true.
             if self.is_near_sleepers(dt)? {
                 return Ok(plan);
             }
             self.find_candidates(&plan)?;
             watch(Stage::Pairs, self);
             interrupt::check()?;
+            // From here on the order of indices is the canonical one: Morton order, ties by the
+            // state. All sums, contacts and loops use it, so results do not depend on the order of
+            // adding.
             self.reorder(plan.threads);
             self.halo.protocol().begin_part(self);
+            // Only the contacts show which heavy particles press on light ones.
             let refinement = self.make_contacts(&plan)?;
             let plan = self.refined(plan, refinement);
             self.find_near_walls(&plan)?;
@@ -180,12 +201,16 @@ impl World {
             self.load_motions(&plan);
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);
+            // Collisions may have carried particles beyond the bounds that were tested before.
             if self.has_left_bounds_to_sleepers()? {
                 return Ok(plan);
             }
+            // Particles must not merge on trajectories that another rank contradicts.
             if self.settings.on_touch == OnTouch::Merge && self.halo.protocol().must_repeat(self)? {
                 return Ok(plan);
             }
+            // From here on the columns change; until now the attempt has worked on copies of the
+            // motions.
             self.walls.end_step(f64::from(dt));
             self.collect_touches(plan.threads);
             self.store_motions(plan.threads)?;
@@ -206,6 +231,7 @@ impl World {
         self.stats = Stats::default();
         self.choose_horizon(dt)?;
         let parts = self.parts(dt)?;
+        // The parts share the sub-steps of the whole step.
         Ok((parts, self.substeps().div_ceil(parts)))
     }
 
@@ -237,10 +263,13 @@ impl World {
             bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, scratch, halo, ..
         } = self;
         let ids = halo.ids();
+        // Particles at the same place are sorted by all their values. Of equal ones in a
+        // distributed world the id decides, because rows differ between ranks.
         let tie = |a: usize, b: usize| {
             let id = |index: usize| ids.get(rows[index] as usize);
             particles.compare(a, b).then_with(|| id(a).cmp(&id(b)))
         };
+        // The Morton order depends on the extent, so it is that of all ranks.
         scratch.tree.set_extent(extent);
         scratch.tree.set_nested();
         scratch.tree.rebuild(&scratch.shapes, self.settings.tree, &tie)

@@ -51,6 +51,8 @@ impl World {
             let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
             for (((position, residual), velocity), index) in columns {
                 let mut motion = motions.get(index);
+                // Numbers that are only too large become the limit. Those that are not finite
+                // refuse the step, which is undone then, so it does not matter what is stored here.
                 if !is_allowed(&motion) {
                     if !is_finite(&motion) {
                         any.store(true, Ordering::Relaxed);
@@ -89,6 +91,7 @@ impl World {
         let bad = |&index: &usize| {
             !(is_finite(&motion(index)) && push(index).is_finite() && spin(index).is_finite())
         };
+        // The smallest id makes the error the same for every order and number of threads.
         let index = (0..self.bodies.awake.rows.len())
             .filter(bad)
             .min_by_key(|&index| self.id_among_all(self.bodies.awake.rows[index]));
@@ -120,12 +123,14 @@ impl World {
 #[inline(always)]
 fn is_allowed(Motion { position: [x, y], velocity: [u, v], .. }: &Motion) -> bool {
     let is_small = |value: &f32| value.abs() <= FARTHEST;
+    // Without short circuits, so that there is no branch for each number.
     is_small(x) & is_small(y) & is_small(u) & is_small(v)
 }
 
 /// Makes numbers that are too large the largest allowed ones.
 fn clamp(motion: &mut Motion) {
     let allowed = |vector: [f32; 2]| vector.map(|v| v.clamp(-FARTHEST, FARTHEST));
+    // The residual belongs to the position before.
     if allowed(motion.position) != motion.position {
         motion.residual = [0.0; 2];
     }

@@ -30,6 +30,7 @@ impl Substeps<'_> {
     /// Where moving walls are when a sub-step begins.
     fn clock(&self, substep: usize) -> Clock {
         let elapsed = substep as f64 * self.plan.seconds();
+        // With damping a flight is shorter than the sub-step, but walls move in real time.
         Clock { elapsed, rate: self.flow.seconds / self.flow.duration }
     }
 }
@@ -41,6 +42,7 @@ impl World {
         let common = self.begin_substeps(plan);
         for substep in 0..plan.substeps {
             interrupt::check()?;
+            // A ghost may have collided with particles that only its own rank has.
             if substep > 0 {
                 self.refresh_ghosts(plan)?;
             }
@@ -71,6 +73,7 @@ impl World {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
         } = self;
         scratch.limits.clear();
+        // These distances decide which sleeping islands an attempt would touch.
         if any_sleeps {
             let free = FreeDisplacements::new(settings, &scratch.forces, plan.dt);
             let all = scratch.max_displacements.iter().enumerate();
@@ -85,6 +88,7 @@ impl World {
         scratch.events.begin_step(particles.len());
         scratch.wall_temperatures.fill(self.influences.thermal_walls(), self.time);
         scratch.wall_impulses.clear();
+        // Nothing will read or renew the pushes of the step before.
         if !plan.may_rest {
             scratch.wall_pushes.clear();
         }
@@ -145,6 +149,7 @@ impl World {
         }
         kicks.resize(particles.len(), Kick::default());
         forces.kick(kicks, &common.flow);
+        // Springs come after the kicks of other forces, with which their parts begin.
         if !forces.sprung.is_empty() && !self.influences.is_empty() {
             if forces.are_springs_stiff {
                 let surroundings = Surroundings {
@@ -198,6 +203,8 @@ impl World {
             threads: common.plan.threads,
         };
         scratch.resting.support(&scene, &mut self.contacts, new, springs, kicks)?;
+        // The impulses of all sub-steps are reported. The pushes of the last one alone begin the
+        // next step.
         wall_impulses.extend(new.iter().map(|of| WallImpulse { pushes: [0.0; 2], ..*of }));
         std::mem::swap(new, wall_pushes);
         Ok(())
@@ -215,6 +222,8 @@ impl World {
         let StepScratch { tree, max_displacements, grown, renewed, crowding, .. } = scratch;
         let of_bounds =
             BoundsScratch { tree, max_displacements, grown, renewed, crowding: *crowding };
+        // The first bounds last for their share of the first sub-step. At the beginning of each
+        // later sub-step they have expired.
         let share =
             common.plan.share_of_bounds().map(|share| if substep == 0 { share } else { 0.0 });
         let mut bounds =
@@ -246,6 +255,7 @@ impl World {
             threads: common.plan.threads,
         };
         let done = scratch.events.simulate(&flight, &mut bounds);
+        // The events know indices only.
         done.map_err(|error| match error {
             Error::TooManyCollisions { .. } => self.too_many_collisions(),
             other => other,
@@ -257,6 +267,7 @@ impl World {
         let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, halo, .. } =
             self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
+        // At the end of the sub-step, where the particles are.
         let walls = around(&self.walls, near_walls, particles, common.clock(substep + 1));
         let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);
         let threads = common.plan.threads;
@@ -268,6 +279,7 @@ impl World {
 
 /// The smallest radius above 0; infinite if there is none. No result depends on it.
 fn smallest(radii: &[f32]) -> f32 {
+    // Chunks and comparisons become vector instructions. `min` takes longer, because it treats NaN.
     let of = |chunk: &[f32]| {
         let positive =
             chunk.iter().map(|&radius| if radius > 0.0 { radius } else { f32::INFINITY });

@@ -121,6 +121,8 @@ pub struct StateHash(pub u64);
 impl StateHash {
     /// The hash of so many particles, without their columns.
     pub fn begin(count: usize) -> Self {
+        // The offset basis of the hash FNV-1a, and in `mix` its prime. Words are mixed instead of
+        // bytes, and the rotation brings the high bits to where the next word changes them.
         let mut hash = Self(0xcbf2_9ce4_8422_2325);
         hash.mix(count as u32);
         hash

@@ -153,6 +153,8 @@ impl World {
         let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
         let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
+            // Trajectories are not wrapped within a step, so the two may be in different copies of
+            // the torus.
             let mut image = [0.0; 2];
             if !period.is_none() {
                 let [p, q] = pair.map(|index| motions.position(index).map(f64::from));

@@ -80,6 +80,8 @@ impl World {
             .extend(all.positions.iter().map(|&position| container.period().wrap(position)));
         let radii = columns.radii.rows_mut();
         radii.clear();
+        // The circles contain every gap that may count as touching: that is at most `COARSE` of the
+        // size.
         radii.extend(all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
             radius * (1.0 + 2.0 * COARSE as f32) + 2.0 * rounding(position, radius, &container)
         }));
@@ -95,6 +97,8 @@ impl World {
             let contact_distance = f64::from(all.radii[a]) + f64::from(all.radii[b]);
             let [x, y] = container.period().exact().minimum_image([q[0] - p[0], q[1] - p[1]]);
             let [r, s] = [all.radii[a], all.radii[b]];
+            // The tolerance is that at the centre of the smaller disc. Of two equal discs the
+            // larger tolerance counts, so that their order does not matter.
             let near = |place| Tolerance::of(f64::from(size_of(r, s)), place).rounding();
             let near = match r.total_cmp(&s) {
                 Ordering::Less => near(p),

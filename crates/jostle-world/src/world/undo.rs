@@ -33,6 +33,8 @@ pub(crate) struct Before {
 impl World {
     /// Begins a step.
     pub(crate) fn begin(&mut self) {
+        // `reorder` writes new columns beside the old ones, so these need no copy. Only what a step
+        // changes in place is copied here.
         let before = &mut self.scratch.before;
         before.is_reordered = false;
         before.influences.clone_from(&self.influences);
@@ -43,12 +45,15 @@ impl World {
         }
         std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
         self.wall_impulses.clear();
+        // The pushes of the last sub-step are those with which the first one begins (warm
+        // starting).
         let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
         self.scratch.wall_pushes.clear();
         self.scratch.wall_pushes.extend(pushes);
         before.stats = self.stats;
         self.record.begin_step();
         before.ids = None;
+        // Callers may set positions outside of the torus. Undo must restore their bits.
         let period = self.settings.container.period();
         let Particles { positions, residuals, .. } = &mut self.bodies.awake.particles;
         let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
@@ -64,6 +69,7 @@ impl World {
     /// Restores the state at the beginning of the step.
     pub(crate) fn undo(&mut self) {
         let before = &mut self.scratch.before;
+        // An attempt that ended before it reordered has left the columns as they were.
         if before.is_reordered {
             let Discs { particles, rows, persistent } = &mut before.discs;
             std::mem::swap(&mut self.bodies.awake.particles, particles);
@@ -73,6 +79,7 @@ impl World {
             self.contacts.remember(self.bodies.awake.rows.len());
             self.bodies.forget_indices();
         }
+        // After the exchange of columns, because these positions are in the old order.
         if let Some([positions, residuals]) = before.unwrapped.take() {
             (self.bodies.awake.particles.positions, self.bodies.awake.particles.residuals) =
                 (positions, residuals);

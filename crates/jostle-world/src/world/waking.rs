@@ -61,6 +61,8 @@ impl World {
         } = self;
         let own = halo.own_rows();
         let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+        // The radius depends on the particle alone, and not on the speeds of others. Static
+        // particles and ghosts touch nothing here: ghosts are tested by their own ranks.
         let radius = |index: u32| {
             let at = index as usize;
             let moves = !particles.is_static(at) && rows[at] < own;
@@ -88,6 +90,7 @@ impl World {
         let Self { bodies: Bodies { asleep, .. }, halo, scratch, settings, .. } = self;
         let mut tree = std::mem::take(&mut scratch.waking.tree);
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
+        // The tree holds the right circles already, so every overlap counts.
         let radius = |_| Some(f32::INFINITY);
         let done = asleep.touched(&tree, radius, settings, shared);
         let join = &mut scratch.waking.join;
@@ -109,6 +112,8 @@ impl World {
         let own = halo.own_rows();
         let outside_limits = &mut scratch.events.outside_limits;
         outside_limits.retain(|&(index, _)| rows[index as usize] < own);
+        // Position correction moves particles without an event, so the last positions are tested,
+        // too.
         for (index, &limit) in scratch.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
                 (scratch.motions.position(index as u32), particles.positions[index]);
@@ -128,6 +133,7 @@ impl World {
         columns.centers.extend(outside_limits.iter().map(|of| particles.positions[index(of)]));
         let radii = columns.radii.rows_mut();
         radii.clear();
+        // The distance is rounded to float32; the factor is a reserve for that.
         radii.extend(outside_limits.iter().map(|of| {
             let (position, radius) = (particles.positions[index(of)], particles.radii[index(of)]);
             let rounding = rounding(position, radius, &settings.container);
@@ -142,6 +148,7 @@ impl World {
 
     /// Notes whether the step would touch any islands of any process: those listed, or some `of_others`.
     fn note_touched(&mut self, of_others: bool) -> Result<bool> {
+        // All ranks must repeat the attempt, also those that meet no sleeper.
         let any = of_others || !self.scratch.touched.is_empty();
         self.scratch.meets_sleepers = self.halo().any(any)?;
         Ok(self.scratch.meets_sleepers)
@@ -158,6 +165,8 @@ impl World {
         let first = self.bodies.awake.rows.len();
         let Discs { particles, rows, persistent } = &woken.discs;
         let len = first + rows.len();
+        // At the end of the columns: the tree of the next attempt sorts them, so no result depends
+        // on it.
         self.bodies.awake.particles.extend(particles);
         self.bodies.awake.rows.extend_from_slice(rows);
         self.bodies.awake.persistent.append(first, persistent, rows.len());
@@ -204,6 +213,7 @@ impl World {
         let tied: Vec<u32> = tied.flatten().map(|row| row as u32).collect();
         let awake = self.bodies.awake.rows.len();
         let sleeping = self.bodies.indices_of(&tied);
+        // The indices of sleeping particles come after those of all that are awake.
         let sleeping = sleeping.iter().filter_map(|&index| (index as usize).checked_sub(awake));
         islands.extend(self.bodies.asleep.islands_of(sleeping));
         islands.sort_unstable();
@@ -218,6 +228,8 @@ impl World {
         }
         let (indices, awake) = (self.bodies.indices_of(rows), self.bodies.awake.rows.len());
         let movable = &self.bodies.awake.particles.movable;
+        // It is not known which islands rest on an immovable particle, or will overlap it where it
+        // goes.
         if indices.iter().any(|&index| movable.get(index as usize) == Some(&false)) {
             return self.wake_all();
         }

@@ -78,6 +78,7 @@ impl Ids {
     /// Gives ids to so many new rows.
     pub(crate) fn add(&mut self, count: usize) -> Result<Range<Id>> {
         let first = self.next;
+        // An id is never given again, so that a caller's old id cannot name a new particle.
         let Some(end) = first.checked_add(count as Id) else {
             return Err(Error::of("positions", count, "there are no ids left for new particles"));
         };
@@ -90,6 +91,7 @@ impl Ids {
 
     /// Removes rows.
     pub(crate) fn remove(&mut self, gone: &[bool]) {
+        // From here on ids have gaps, and need a list.
         let next = self.next;
         let all = self.listed.get_or_insert_with(|| (0..next).collect());
         crate::world::edits::retain_unless(all, gone);

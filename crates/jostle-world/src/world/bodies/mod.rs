@@ -179,6 +179,7 @@ impl Bodies {
     /// The index of each row; those of sleeping particles come after those of all others. They are
     /// computed when they are first needed, and kept until [`Bodies::forget_indices`].
     pub(crate) fn indices(&self) -> &[u32] {
+        // Most steps need no index by row, so the list is made on demand.
         let indices = self.indices.get_or_init(|| self.find_indices());
         debug_assert!(self.are_indices(indices));
         indices

@@ -30,6 +30,9 @@ fn ensure(is_right: bool, rule: &str) -> Result<()> {
 impl World {
     /// Refuses values that no world can have, and computes what follows from the others.
     pub(super) fn finish(&mut self) -> Result<()> {
+        // A checksum does not show that bytes are not forged. So nothing here may rely on what is
+        // not yet checked: lengths come before rows, rows before contacts, and these before
+        // islands.
         let WorldSettings { container, tree, .. } = self.settings;
         self.settings.validate().map_err(refused)?;
         ensure(self.time.is_finite(), "its time is not finite")?;
@@ -47,6 +50,7 @@ impl World {
             self.bodies.awake.rows.len().saturating_add(discs.rows.len()),
         );
         ensure(len <= MAX_ROWS, "it has too many particles")?;
+        // Rows index lists everywhere, so they must be a permutation.
         check_rows(self.bodies.awake.rows.iter().chain(&discs.rows), len)?;
         check_contacts(self.contacts.all(), awake)?;
         check_contacts(contacts, len)?;
