@@ -194,6 +194,7 @@ impl Container {
         let (largest, rule) = match self {
             Self::None => return Ok(()),
             Self::Box { min, max } => {
+                // A disc may be as wide as the box; then it cannot move along that side.
                 let side = (max[0] - min[0]).min(max[1] - min[1]);
                 (side / 2.0, "it must fit between the walls")
             }
@@ -229,6 +230,7 @@ impl Container {
         let Self::Box { min, max } = self else {
             return Inner { low: [f32::INFINITY; 2], high: [f32::NEG_INFINITY; 2] };
         };
+        // A relative margin covers the rounding of position ± radius in float32.
         let margin = |k: usize| 1e-6 * (min[k].abs() + max[k].abs());
         Inner { low: [0, 1].map(|k| min[k] + margin(k)), high: [0, 1].map(|k| max[k] - margin(k)) }
     }
@@ -268,6 +270,7 @@ impl Container {
                     if length(offset(moved)) <= contact_distance || scale < 1e-9 {
                         return moved;
                     }
+                    // The steps are tiny, so that a disc at the wall stays at the wall.
                     scale *= 1.0 - shrink(turn);
                 }
                 *center
@@ -287,6 +290,7 @@ impl Container {
                 let center = center.map(f64::from);
                 let out = vector(|k| position[k] - center[k]);
                 let most = (f64::from(*outer) - radius).max(0.0);
+                // At the centre the scale is infinite, and the position stays.
                 let scale = most / dot(out, out).sqrt();
                 if scale < 1.0 { vector(|k| center[k] + out[k] * scale) } else { position }
             }
@@ -299,6 +303,8 @@ impl Container {
     #[inline(always)]
     pub fn is_far(&self, position: [f64; 2], radius: f64, far: [f64; 2]) -> bool {
         let Self::Box { min, max } = self else { return !self.has_walls() };
+        // The reserve covers the rounding of the positions, in float32 of the largest number
+        // involved.
         let far = far.map(|v| radius + v + ROUNDING * size(position, radius));
         let is_between = |k: usize| {
             let [min, max] = [min[k], max[k]].map(f64::from);
@@ -312,6 +318,7 @@ impl Container {
     #[inline(always)]
     pub fn is_near_side(&self, position: [f32; 2], far: [f32; 2]) -> bool {
         let Self::Box { min, max } = self else { return self.has_walls() };
+        // As a negation of being far, so that NaN counts as near and is tested exactly.
         let near = |k: usize| !((position[k] - min[k] > far[k]) & (max[k] - position[k] > far[k]));
         near(0) | near(1)
     }
@@ -331,6 +338,7 @@ impl Container {
             let impact = side.impact(segment, radius, gravity, &limits(number));
             let is_first =
                 |impact: &Impact| first.is_none_or(|(before, _)| impact.time < before.time);
+            // Strictly earlier: of two sides at the same time that with the smaller number.
             first = impact.filter(is_first).map(|impact| (impact, number)).or(first);
         }
         first
@@ -358,6 +366,7 @@ impl Side {
             Self::Round { center, radius: outer } => {
                 let inward = vector(|k| center[k] - position[k]);
                 let length = dot(inward, inward).sqrt();
+                // At the centre any direction is right. It must be the same on every machine.
                 let normal = if length > 0.0 { inward.map(|v| v / length) } else { [1.0, 0.0] };
                 (normal, outer - radius - length)
             }
@@ -376,6 +385,7 @@ impl Side {
     ) -> Option<Impact> {
         match *self {
             Self::Flat { axis, inward, at } => {
+                // Signs are chosen so that a gap above 0 is inside, for both sides of an axis.
                 let gap = inward * (segment.position[axis] - at) - radius;
                 let speed = inward * segment.velocity[axis];
                 let pull = if segment.falls { -inward * gravity[axis] } else { 0.0 };
@@ -383,6 +393,8 @@ impl Side {
             }
             Self::Round { center, radius: outer } => {
                 let q = vector(|k| segment.position[k] - center[k]);
+                // The centre moves inside of a smaller circle; a disc as wide as the container
+                // stays at its centre.
                 let contact_distance = (outer - radius).max(0.0);
                 let acceleration = if segment.falls { gravity } else { [0.0; 2] };
                 let velocity = segment.velocity;

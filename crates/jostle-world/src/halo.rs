@@ -91,11 +91,13 @@ impl dyn Halo + '_ {
 
     /// Whether a condition is true on any process.
     pub fn any(&self, own: bool) -> Result<bool> {
+        // A sum tells it, so one kind of message is enough for all questions.
         Ok(self.sum([u64::from(own)])? != [0])
     }
 
     /// Waits for all processes. Returns an error if one has failed.
     pub fn wait(&self) -> Result<()> {
+        // A message without numbers still tells whether a rank has failed.
         self.sum([]).map(|[]: [u64; 0]| ())
     }
 
@@ -106,6 +108,7 @@ impl dyn Halo + '_ {
         get: impl Fn(u32) -> [f32; N],
         set: impl Fn(u32, [f32; N]),
     ) -> Result<()> {
+        // Numbers travel as their bits, so ghosts have exactly the state of their own rank.
         let put = |index, to: &mut Vec<u8>| {
             get(index).iter().for_each(|number| to.extend(number.to_le_bytes()));
         };
@@ -129,6 +132,7 @@ impl dyn Halo + '_ {
 
 /// A hash of a hash and a number.
 pub fn digest(hash: u64, number: u64) -> u64 {
+    // The rotation makes the order of the numbers count.
     mixed(hash.rotate_left(23) ^ number)
 }
 

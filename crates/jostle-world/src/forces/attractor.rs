@@ -128,6 +128,8 @@ fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
             if distance >= radius {
                 return if distance > 0.0 { -strength / distance } else { 0.0 };
             }
+            // As inside a homogeneous ball. Both formulas give −strength / R at the surface, so the
+            // energy has no step there.
             strength * (square / (radius * radius) - 3.0) / (2.0 * radius)
         }
     }
@@ -139,6 +141,8 @@ fn pull(attractor: &Attractor, offset: [f32; 2], radius: f32) -> [f32; 2] {
     let factor = match attractor.law {
         Law::Harmonic => strength,
         Law::InverseSquare => {
+            // At the surface or inside, the divisor is R³, so the acceleration is finite and grows
+            // with the distance from the centre.
             let distance = (x * x + y * y).sqrt().max(f64::from(radius));
             if distance == 0.0 {
                 return [0.0; 2];

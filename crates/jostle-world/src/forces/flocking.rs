@@ -87,6 +87,7 @@ impl Flocking {
         let new = [0, 1].map(|k| velocity[k] + acceleration[k] * h);
         let speed = (new[0] * new[0] + new[1] * new[1]).sqrt();
         let right = speed.min(self.max_speed).max(self.min_speed);
+        // A velocity of 0 has no direction in which it could become faster.
         if speed == right || speed == 0.0 || !speed.is_finite() {
             return acceleration;
         }
@@ -97,6 +98,7 @@ impl Flocking {
 impl Law for Flocking {
     #[inline(always)]
     fn act<S: Simd<f32>>(&self, simd: S, own: Own<'_>, found: &Found) -> [f64; 2] {
+        // The body itself is one of those that were found.
         let others = found.len - 1;
         if others == 0 {
             return [0.0; 2];
@@ -112,6 +114,8 @@ impl Law for Flocking {
             let x = simd.load(block(&found.x, start));
             let y = simd.load(block(&found.y, start));
             let square = simd.add(simd.mul(x, x), simd.mul(y, y));
+            // For the body itself, and what fills the last block, the weight is finite and the
+            // offset 0. So they add nothing, and need no branch.
             let distance = simd.sqrt(simd.max(square, least));
             let weight = simd.max(simd.sub(one, simd.mul(distance, per_cutoff)), zero);
             let weight = simd.div(weight, distance);
@@ -126,6 +130,8 @@ impl Law for Flocking {
             sum_v = simd.add(sum_v, v);
             start += LANES;
         }
+        // Lanes are added in float64 and in their order: the sum does not depend on the
+        // instructions.
         let (away, offset) = ([away_x, away_y], [sum_x, sum_y]);
         let velocity = [sum_u, sum_v];
         let mut by = [0.0f64; 2];

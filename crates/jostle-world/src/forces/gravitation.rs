@@ -100,6 +100,8 @@ impl Force for Gravitation {
             Walk { gravitation: self, tree, all, moments, period: bodies.container.period() };
         pulls.clear();
         pulls.resize(tree.len(), [0.0; 2]);
+        // A task has its own part of `pulls`, and each body is summed by one task. So the number of
+        // threads changes no sum.
         let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
         let (tasks, stop) = (sorted.tasks(TASK_GROUPS, pulls), Stop::current());
         parallel::for_each(threads, tasks, |(share, mut pulls)| {
@@ -112,7 +114,10 @@ impl Force for Gravitation {
             }
             locked(lists).push(list);
         });
+        // The exact mean is 0. The approximation by nodes pulls both sides of a pair a little
+        // differently, and without this the centre of mass would drift.
         subtract_mean(pulls, &all.mass);
+        // All sums are for G = 1, and are multiplied in float64.
         let g = f64::from(self.g);
         for (pull, &row) in pulls.iter().zip(tree.rows()) {
             let to = &mut sums[row as usize];
@@ -148,6 +153,7 @@ impl Force for Gravitation {
 /// used.
 fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, scratch: &mut Scratch) -> bool {
     let Scratch { sorted, all, moments, .. } = scratch;
+    // Bodies at the same place are sorted by mass, because nothing else of them enters the sums.
     sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.masses[a].total_cmp(&bodies.masses[b]));
     let tree = &sorted.tree;
     all.clear();
@@ -156,6 +162,7 @@ fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, scratch: &mut Scratch
         all.push([x[index], y[index]], bodies.masses[row as usize]);
     }
     all.pad();
+    // With few bodies the walk and the moments take longer than they save.
     let direct = tree.len() <= DIRECT || gravitation.theta == 0.0;
     if !direct {
         compute_moments(tree, &all.mass, moments);
@@ -168,6 +175,7 @@ fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Momen
     let Columns { x, y, .. } = tree.columns();
     moments.clear();
     moments.resize(tree.nodes().len(), Moment::default());
+    // Children come after their parents in memory, so the reverse order has their moments ready.
     for (number, (node, bounds)) in tree.nodes().iter().zip(tree.bounds()).enumerate().rev() {
         let mut sum = [0.0f64; 3];
         let mut add = |[px, py]: [f32; 2], mass: f32| {
@@ -200,6 +208,7 @@ fn subtract_mean(pulls: &mut [[f64; 2]], masses: &[f32]) {
         (0..3).for_each(|k| sum[k] += terms[k]);
     }
     let mean = [sum[1] / sum[0], sum[2] / sum[0]];
+    // Without mass, or after an overflow, there is no mean; the accelerations are bounded later.
     if mean.iter().all(|v| v.is_finite()) {
         pulls.iter_mut().for_each(|pull| *pull = [pull[0] - mean[0], pull[1] - mean[1]]);
     }
@@ -246,6 +255,9 @@ impl Sources {
         soft_square: f32,
         wrap: impl Fn([f32; 2]) -> [f32; 2],
     ) -> [f64; 2] {
+        // Sixteen lanes add in float32, which is fast. Every run is added up in float64, so the
+        // error does not grow with the number of sources. The order of all sums is fixed by the
+        // order of the list.
         let mut total = [0.0f64; 2];
         let runs = self.x.chunks(RUN).zip(self.y.chunks(RUN)).zip(self.mass.chunks(RUN));
         for ((x, y), mass) in runs {
@@ -254,6 +266,8 @@ impl Sources {
                 (x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0, mass.as_chunks::<LANES>().0);
             for ((x, y), mass) in x.iter().zip(y).zip(mass) {
                 for lane in 0..LANES {
+                    // A body is one of its own sources. The limit of the square makes its quotient
+                    // finite, and the offset of 0 makes its pull 0.
                     let [dx, dy] = wrap([x[lane] - px, y[lane] - py]);
                     let square = (dx * dx + dy * dy + soft_square).max(MIN_SQUARE);
                     let inverse = 1.0 / square.sqrt();
@@ -274,6 +288,7 @@ impl Sources {
     /// Sum of mass divided by distance from `position`.
     fn potential(&self, [px, py]: [f32; 2], soft: f64, period: &Period<f32>) -> f64 {
         let mut sum = 0.0;
+        // In float64 throughout: energies are compared over many steps, accelerations are not.
         for ((x, y), &mass) in self.x.iter().zip(&self.y).zip(&self.mass) {
             let [dx, dy] = period.minimum_image([x - px, y - py]).map(f64::from);
             let square = dx * dx + dy * dy + soft * soft;
@@ -331,6 +346,8 @@ impl Walk<'_> {
         let target = &self.tree.bounds()[group as usize];
         let middle = [0, 1].map(|k| 0.5 * target.min[k] + 0.5 * target.max[k]);
         let half = [0, 1].map(|k| 0.5 * target.max[k] - 0.5 * target.min[k]);
+        // The opening angle is tested from the box of the group, so one list is right for all its
+        // bodies, and the walk is made once for many.
         stack.push(0);
         while let Some(index) = stack.pop() {
             let index = index as usize;
@@ -340,6 +357,8 @@ impl Walk<'_> {
             } else if node.is_leaf() {
                 found.extend(self.all, node.range());
             } else {
+                // The stack is last in, first out: in reverse order, sources are listed in Morton
+                // order.
                 stack.extend(node.children().rev().map(|child| child as u32));
             }
         }
@@ -351,17 +370,23 @@ impl Walk<'_> {
     #[inline(always)]
     fn is_far(&self, middle: [f32; 2], half: [f32; 2], moment: &Moment) -> bool {
         let Moment { center, width, .. } = *moment;
+        // All bodies of the node are at one point, so the monopole is exact.
         if width == 0.0 {
             return true;
         }
         let offset = self.period.minimum_image([0, 1].map(|k| center[k] - middle[k]));
         // The minimum image must be the same for all bodies of the group.
         let [w, h] = self.period.sides();
+        // If the sum of the three lengths is below half of the period, no body of the group has
+        // another nearest image of any body of the node. Else the monopole would be on the wrong
+        // side for some.
         let same = |k: usize, side: f32| offset[k].abs() + half[k] + width < 0.5 * side;
         let is_same = self.period.is_none() || same(0, w) && same(1, h);
         if !is_same {
             return false;
         }
+        // The distance from the box of the group, and not from its middle: the criterion holds for
+        // each of its bodies.
         let [x, y] = [0, 1].map(|k| (offset[k].abs() - half[k]).max(0.0));
         let theta = self.gravitation.theta;
         width * width < theta * theta * (x * x + y * y)
@@ -386,6 +411,8 @@ impl Work<f32> for Pull<'_> {
         let soft_square = softening * softening;
         for (pull, index) in pulls.iter_mut().zip(bodies) {
             let position = [walk.all.x[index], walk.all.y[index]];
+            // The kernel is compiled twice, so that the loop without a period has no minimum
+            // images.
             *pull = if walk.period.is_none() {
                 sources.pull(position, soft_square, |offset| offset)
             } else {

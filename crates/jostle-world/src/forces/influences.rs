@@ -228,8 +228,10 @@ impl Influences {
         self.forces().for_each(|force| force.accelerate(bodies, scratch, accelerations));
         let threads = parallel::worthwhile(bodies.threads, bodies.positions.len());
         parallel::for_chunks(threads, accelerations, |_, chunk| {
+            // Sums of valid forces may overflow or be NaN. A step relies on finite accelerations.
             chunk.iter_mut().for_each(|acceleration| *acceleration = acceleration.map(bounded));
         });
+        // Limits come last, because they depend on the sum of all forces.
         self.forces().for_each(|force| force.limit(bodies, accelerations));
     }
 
@@ -285,6 +287,7 @@ impl Influences {
     /// Refuses a torus on which forces between neighbours would act from two images of a particle.
     pub fn check_fit(&self, container: Container) -> Result<()> {
         let Container::Torus { size: [width, height] } = container else { return Ok(()) };
+        // Within half of the shorter side each particle has one image.
         let most = 0.5 * width.min(height);
         for (index, influence) in self.list.iter().enumerate() {
             if let Role::Force(force) = influence.role()

@@ -53,6 +53,8 @@ impl Motor {
         if period == f64::INFINITY {
             return time;
         }
+        // A triangle wave: forwards in the first half of each period, backwards in the second. It
+        // is a function of the time, so no error adds up from step to step.
         let phase = time - period * (time / period).floor();
         phase.min(period - phase)
     }
@@ -61,6 +63,7 @@ impl Motor {
     pub fn drive(&self, time: f64, dt: f64) -> Drive {
         let (start, end) = (self.progress(time), self.progress(time + dt));
         let along = [0, 1].map(|k| f64::from(self.velocity[k]) * start);
+        // The mean over the step, which may contain a reversal.
         let share = (end - start) / dt;
         Drive {
             seconds: dt,
@@ -109,7 +112,9 @@ pub fn turn(angle: f64) -> [f64; 2] {
     const HALVINGS: i32 = 4;
     // At most π/16.
     let x = (angle - TAU * (angle / TAU).round()) / f64::from(1 << HALVINGS);
+    // Cosine minus 1, because 1 − x²/2 would lose the digits of a small angle.
     let (mut less, mut sine, mut term) = (0.0, x, x);
+    // Up to x¹⁵/15!. With x ≤ π/16 the next term is below 10⁻²⁴.
     for k in 1..8 {
         let n = f64::from(2 * k);
         term *= x / n;

@@ -95,6 +95,8 @@ struct List {
 impl Scratch {
     /// Sorts the bodies.
     pub fn sort(&mut self, bodies: &Bodies<'_>) {
+        // Only positions, velocities, masses and kinds enter the sums, so only these order bodies
+        // at the same place.
         self.sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.compare(a, b));
         let (tree, len) = (&self.sorted.tree, self.sorted.tree.len());
         let columns = tree.columns();
@@ -144,6 +146,7 @@ impl Scratch {
             f32::with_widest(Share { search, law, groups, sums, list: &mut list });
             locked(&self.lists).push(list);
         });
+        // The tasks write sums in the order of the tree; one thread hands them to the rows.
         sums.iter().zip(self.sorted.tree.rows()).for_each(|(&sum, &row)| add(row as usize, sum));
         self.sums = sums;
     }
@@ -206,6 +209,7 @@ impl Search<'_> {
     /// Lists the blocks that may have neighbours of a group.
     fn list(&self, group: u32, list: &mut List) {
         list.near.clear();
+        // A group near a corner may have neighbours in any of the nine images of the torus.
         if !self.period.is_none() {
             for turns in NINE_IMAGES {
                 self.list_image(group, self.period.span(turns), list);
@@ -225,6 +229,8 @@ impl Search<'_> {
             let blocks = 0..(self.x.len() / LANES) as u32;
             return near.extend(blocks.map(|block| Near { block, image }));
         }
+        // Blocks are sixteen bodies of the sorted columns, whatever the leaves. Two leaves may
+        // share a block, which must be listed once, or its bodies would count twice.
         let mut next = 0;
         stack.push(0);
         while let Some(number) = stack.pop() {
@@ -233,6 +239,7 @@ impl Search<'_> {
                 continue;
             }
             if !node.is_leaf() {
+                // In reverse order, so that leaves and blocks are listed in ascending order.
                 stack.extend(node.children().rev().map(|child| child as u32));
                 continue;
             }
@@ -247,6 +254,8 @@ impl Search<'_> {
     /// bodies does, and rounding is monotone, so it needs no tolerance.
     #[inline]
     fn is_near(&self, group: u32, node: u32, image: [f32; 2]) -> bool {
+        // Float32 and without tolerance: for monotone rounding, a bound of the differences stays a
+        // bound.
         let [target, source] = [group, node].map(|index| &self.tree.bounds()[index as usize]);
         let [x, y] = [0, 1].map(|k| {
             let above = (source.min[k] - target.max[k]) + image[k];
@@ -263,6 +272,8 @@ impl Search<'_> {
         let limit = simd.splat(self.square);
         let mut len = 0;
         for &Near { block: number, image } in near {
+            // First the difference, then the image, as in `is_near`. In another order of operations
+            // a neighbour could lie in a block that was not listed.
             let start = number as usize * LANES;
             let x = simd.sub(simd.load(block(self.x, start)), own_x);
             let y = simd.sub(simd.load(block(self.y, start)), own_y);
@@ -271,6 +282,8 @@ impl Search<'_> {
             if bits == 0 {
                 continue;
             }
+            // `pack` writes a whole block. Numbers behind the packed ones are overwritten by the
+            // next block.
             simd.pack(x, bits, block_mut(&mut found.x, len));
             simd.pack(y, bits, block_mut(&mut found.y, len));
             for (from, to) in self.columns.iter().zip(&mut found.columns) {
@@ -297,6 +310,7 @@ impl Search<'_> {
         let mut sum = 0.0;
         for &Near { block: number, image } in near {
             let start = number as usize * LANES;
+            // A body does not act on itself.
             for other in (start..start + LANES).filter(|&other| other != index) {
                 let x = (self.x[other] - self.x[index]) + image[0];
                 let y = (self.y[other] - self.y[index]) + image[1];
@@ -313,6 +327,7 @@ impl Search<'_> {
 impl Found {
     /// Reserves memory for the neighbours in so many blocks.
     fn reserve(&mut self, blocks: usize) {
+        // One more block, because `pack` writes a whole one at any place.
         let len = (blocks + 1) * LANES;
         for column in [&mut self.x, &mut self.y].into_iter().chain(&mut self.columns) {
             if column.len() < len {
@@ -355,6 +370,8 @@ impl<L: Law> Work<f32> for Share<'_, L> {
 /// The numbers of a block added in order, in float64.
 #[inline(always)]
 pub fn total<S: Simd<f32>>(simd: S, numbers: S::Block) -> f64 {
+    // Lane by lane: a tree of sums in vector instructions would have another order on another
+    // machine.
     let mut lanes = [0.0f32; LANES];
     simd.store(numbers, &mut lanes);
     let mut sum = 0.0;

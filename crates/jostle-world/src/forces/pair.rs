@@ -137,6 +137,8 @@ impl PairTable {
     fn potential(&self, a: usize, b: usize, distance: f64) -> f64 {
         let (line, start) = (self.line(a, b), (a * self.kinds + b) * self.points);
         let step = f64::from(self.cutoff) / (self.points - 1) as f64;
+        // The energy at the beginning of the segment less the exact integral of the linear force up
+        // to here.
         let along = distance / step;
         let segment = (along as usize).min(self.points - 2);
         let share = along - segment as f64;
@@ -178,6 +180,8 @@ pub(super) fn check_cutoff(cutoff: f32) -> Result<()> {
 /// The segments of the forces of one pair of kinds.
 fn segments_of(line: &[f32]) -> impl Iterator<Item = AtomicU64> {
     line.windows(2).map(|ends| {
+        // Both numbers of a segment are in one word, so one load for each lane fetches them. The
+        // word is atomic because the instruction that gathers takes atomic words.
         let [low, change] = [ends[0], ends[1] - ends[0]].map(|value| u64::from(value.to_bits()));
         AtomicU64::new(low | change << 32)
     })
@@ -185,6 +189,7 @@ fn segments_of(line: &[f32]) -> impl Iterator<Item = AtomicU64> {
 
 /// Potential energy at the points of one pair of kinds.
 fn potentials_of(line: &[f32], step: f64) -> Vec<f64> {
+    // Summed from the cutoff, where the energy is 0. Trapezoids are exact for linear pieces.
     let mut all = vec![0.0; line.len()];
     for k in (0..line.len() - 1).rev() {
         all[k] = all[k + 1] + 0.5 * step * (f64::from(line[k]) + f64::from(line[k + 1]));
@@ -220,6 +225,8 @@ impl Force for PairForce {
     fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
         let (table, neighbors) = (&*self.table, &mut scratch.neighbors);
         let segments = table.points - 1;
+        // The index of the first segment of a kind is a whole number below 2²², exact in float32.
+        // So the kinds are a column like the others.
         neighbors.fill(0, |row| (usize::from(bodies.kind(row)) * segments) as f32);
         let mut count = 1;
         if table.damping > 0.0 {
@@ -275,22 +282,28 @@ impl Law for PairTable {
                 let x = simd.load(block(&found.x, start));
                 let y = simd.load(block(&found.y, start));
                 let square = simd.add(simd.mul(x, x), simd.mul(y, y));
+                // For the body itself the offset is 0, so its finite factor adds nothing.
                 let distance = simd.sqrt(simd.max(square, least));
                 let inverse = simd.div(simd.splat(1.0), distance);
                 let mut force = self.at(simd, first, block(&found.columns[0], start), distance);
                 if self.damping > 0.0 {
                     let u = simd.load(block(&found.columns[1], start));
                     let v = simd.load(block(&found.columns[2], start));
+                    // Only the relative velocity along the line between the two is damped, so that
+                    // angular momentum is conserved.
                     let u = simd.mul(simd.sub(u, simd.splat(own.of(1))), x);
                     let v = simd.mul(simd.sub(v, simd.splat(own.of(2))), y);
                     let by = simd.mul(self.damping_at(simd, distance), simd.add(u, v));
                     force = simd.sub(force, simd.mul(by, inverse));
                 }
                 let factor = simd.mul(force, inverse);
+                // A positive force repels, and the offset points to the neighbour.
                 sums[0] = simd.sub(sums[0], simd.mul(factor, x));
                 sums[1] = simd.sub(sums[1], simd.mul(factor, y));
                 start += LANES;
             }
+            // A run of sums in float32 is added up in float64, so the error does not grow with the
+            // number of neighbours.
             for k in 0..2 {
                 sum[k] += total(simd, sums[k]);
             }
@@ -325,6 +338,7 @@ impl PairTable {
         let mut indices = [0u32; LANES];
         let mut shares = [0.0f32; LANES];
         for lane in 0..LANES {
+            // Rounding may put a distance below the cutoff behind the last segment.
             let segment = (along[lane] as i32).min(last);
             shares[lane] = along[lane] - segment as f32;
             indices[lane] = own + (others[lane] as i32 + segment) as u32;

@@ -34,12 +34,14 @@ impl Sorted {
         tie: &dyn Fn(usize, usize) -> Ordering,
     ) {
         let columns = self.shapes.columns_mut();
+        // Positions alone sort the bodies, so radii are left out.
         columns.centers.clear();
         columns.centers.extend_from_slice(bodies.positions);
         *columns.radii = Each::One(0.0);
         let settings =
             Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
         // Not interrupted: the caller cannot undo a part of a step.
+        // All ranks need the same extent, or the order of sums would differ between them.
         self.tree.set_extent(bodies.extent);
         self.tree.set_nested();
         let built = interrupt::unwatched(|| self.tree.rebuild(&self.shapes, settings, tie));
@@ -56,10 +58,12 @@ impl Sorted {
         }
         stack.push(0);
         while let Some(index) = stack.pop() {
+            // Groups follow from the tree alone, so they do not depend on threads.
             let node = &tree.nodes()[index as usize];
             if node.is_leaf() || node.len() <= most {
                 groups.push(index);
             } else {
+                // In reverse order, so that groups are listed in the order of the tree.
                 stack.extend(node.children().rev().map(|child| child as u32));
             }
         }

@@ -43,6 +43,8 @@ impl PairTable {
                     -f64::from(pull) * (1.0 - along / (1.0 - core))
                 }
         };
+        // Both corners of this force must be points of the table, because a linear piece across a
+        // corner cuts it off.
         let segments = segments_with_corners([core, 0.5 + 0.5 * core]);
         let at = |k: usize| k as f64 / segments as f64;
         let line = |&pull: &f32| (0..segments + 1).map(move |k| force(pull, at(k)) as f32);
@@ -62,6 +64,8 @@ impl PairTable {
         check_cutoff(cutoff)?;
         let force = |pair: usize, distance: f64| {
             let (epsilon, sigma) = (f64::from(epsilon[pair]), f64::from(sigma[pair]));
+            // Particles may be put on each other. Without the limit their first step would have
+            // forces that no length of a step resolves.
             let distance = distance.max(HARDEST * sigma);
             let square = (sigma / distance) * (sigma / distance);
             let sixth = square * square * square;
@@ -97,6 +101,8 @@ impl PairTable {
     ) -> Result<Self> {
         let force = &force;
         let at = |k: usize| f64::from(cutoff) * k as f64 / (POINTS - 1) as f64;
+        // From 46 kinds on, the finer table would have too many entries. Then every second point is
+        // taken.
         let points = if kinds * kinds * POINTS <= super::pair::MAX_ENTRIES { POINTS } else { 1025 };
         let step = (POINTS - 1) / (points - 1);
         let line = |pair: usize| (0..points).map(move |k| force(pair, at(k * step)) as f32);

@@ -119,6 +119,7 @@ impl WallTemperatures {
         self.time = time;
         for walls in forces {
             for number in walls.numbers() {
+                // The later of two walls with a number would win, but two are refused before.
                 let number = number as usize;
                 self.all.resize(self.all.len().max(number + 1), None);
                 self.all[number] = Some((walls.temperature, walls.seed));
@@ -142,8 +143,13 @@ impl WallTemperatures {
         [[x, y], [u, v]]: [[f64; 2]; 2],
     ) -> Option<[f64; 2]> {
         let (temperature, seed) = (*self.all.get(wall as usize)?)?;
+        // The state just before the impact, the wall and the time decide. So other particles,
+        // threads and the order of events have no influence, and two impacts of a particle have
+        // different numbers.
         let mut chance = Chance::of(seed, &[x, y, u, v, f64::from(wall), time, self.time]);
         let speed = thermal_speed(temperature, inverse_mass);
+        // Through a wall of a gas come fast particles more often than slow ones: the component
+        // along the normal has the distribution of a flux, the other one that of the gas.
         let [along, _] = chance.normal();
         Some([chance.flux() * speed, along * speed])
     }

@@ -30,6 +30,7 @@ impl Thermostat {
     pub fn bounced(&self, velocity: [f64; 2]) -> [f64; 2] {
         let [x, y] = velocity;
         let speed = (x * x + y * y).sqrt();
+        // A particle without a velocity has no direction.
         if speed == 0.0 {
             return velocity;
         }

@@ -18,6 +18,7 @@ impl Effect {
     /// What changes of the particle in a row.
     pub fn of(before: &Particles, after: &Particles, row: usize) -> Self {
         let mut effect = Self::None;
+        // The least effect that covers all differences: a velocity only if nothing else differs.
         for name in before.differences(after, row) {
             match name {
                 "velocities" | "angular_velocities" => effect = Self::Velocity,
@@ -35,9 +36,11 @@ impl Changes {
         self.write_fields(particles, rows);
         let len = particles.len();
         let Particles { residuals, radii, spins, .. } = particles;
+        // A residual is what rounding removed from the old centre.
         if self.positions.is_some() && self.residuals.is_none() {
             dense::change(residuals, len, rows, |_, residual| *residual = [0.0; 2]);
         }
+        // Points do not turn, and angles stay in their range, whatever the caller gave.
         if self.radii.is_some() || self.angles.is_some() || self.angular_velocities.is_some() {
             sparse::change(spins, len, rows, |nth, spin| {
                 *spin = spin.of_disc(radii[rows[nth] as usize]);

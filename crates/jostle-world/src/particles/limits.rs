@@ -14,6 +14,8 @@ pub const MAX_KINDS: usize = 64;
 
 /// Refuses positions or velocities that are not finite or too large.
 pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()> {
+    // Squares of coordinates must not overflow float32, so the limit is below the root of its
+    // largest number.
     for (index, &[x, y]) in vectors.iter().enumerate() {
         check_finite(argument, &[[x, y]]).map_err(|_| {
             Error::at(argument, index, format!("({x}, {y})"), "both coordinates must be finite")

@@ -88,6 +88,7 @@ impl Particles {
         density: f32,
     ) -> Self {
         let len = positions.len();
+        // Without π, as in the article; only ratios of masses matter.
         let masses = radii.iter().map(|r| density * r * r).collect();
         let (restitutions, movable) = (vec![1.0; len], vec![true; len]);
         let mut others = Self::default();
@@ -118,6 +119,7 @@ impl Particles {
 
     /// Sets the angular velocity of a disc; points do not turn.
     pub fn set_angular_velocity(&mut self, row: usize, velocity: f32) {
+        // A point has no moment of inertia, and friction could give it any angular velocity.
         let velocity = if self.radii[row] == 0.0 { 0.0 } else { velocity };
         if self.spin(row).velocity != velocity {
             self.spins_mut()[row].velocity = velocity;
@@ -148,6 +150,8 @@ impl Particles {
     /// Whether two discs that overlap touch: one of them must be movable, or just one a sensor.
     #[inline(always)]
     pub fn may_touch(&self, a: usize, b: usize) -> bool {
+        // Two immovable particles cannot push each other, but a sensor among them still detects the
+        // other.
         self.movable[a] || self.movable[b] || self.is_sensor(a) != self.is_sensor(b)
     }
 
@@ -157,6 +161,7 @@ impl Particles {
         if self.spins.is_empty() {
             return 0.0;
         }
+        // In float64, where the product of two float32 numbers neither overflows nor vanishes.
         let [a, b] = [a, b].map(|row| f64::from(self.spins[row].friction));
         (a * b).sqrt() as f32
     }
@@ -183,6 +188,7 @@ impl Particles {
     /// all is 0, that of categories and masks if all have the default, and that of sensors if there
     /// are none.
     pub fn simplify(&mut self) {
+        // A step tests whether columns are empty, and leaves out what these need.
         for (spin, &radius) in self.spins.iter_mut().zip(&self.radii) {
             *spin = spin.of_disc(radius);
         }

@@ -44,6 +44,7 @@ pub(crate) fn put_kept(to: &mut Vec<u8>, id: Id, persistent: &Persistent, index:
     append(to, id);
     let mut row = PutRow { to, row: index, is_default: true };
     persistent.visit(&mut row);
+    // Most particles keep nothing. Then the receiver has the default, too, and nothing is sent.
     if row.is_default {
         to.truncate(start);
     }
@@ -116,6 +117,7 @@ pub(crate) type Parts<'a> = [&'a [u8]; 5];
 
 /// Keeps the impulses of the contacts at rest of own particles, before ghosts are removed.
 pub(super) fn keep_resting(world: &mut World) {
+    // Contacts with ghosts are kept by ids, which only rows that are still there have.
     if domain_of(world).is_some_and(|domain| domain.has_contacts) {
         let resting = resting_of_own(world);
         let domain = domain_of_mut(world);
@@ -137,6 +139,8 @@ fn resting_of_own(world: &World) -> Vec<Resting> {
             return None;
         }
         let mut indices = contact.indices.map(|index| index as usize);
+        // The first particle says on which rank a contact is counted, so all ranks must choose the
+        // same one.
         indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
         let both = indices.map(|at| rows[at]);
         // The rank of an immovable particle may lack neighbours of the movable one. Then its
@@ -164,6 +168,7 @@ pub fn own_kept(world: &World) -> [Vec<u8>; 5] {
         put_kept(kept, domain.id(row), &world.bodies.awake.persistent, index);
     }
     let all = resting_of_own(world);
+    // Both ranks of a pair know the contact. The rank of the first particle writes it.
     all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| append(resting, *of));
     for of in world.wall_impulses.iter().filter(|of| domain.owns(of.row)) {
         put_push(pushes, domain.id(of.row), of);
@@ -187,6 +192,7 @@ pub fn own_kept(world: &World) -> [Vec<u8>; 5] {
 pub(super) fn own_sleeping_contacts(world: &World) -> impl Iterator<Item = &SleepingContact> {
     let domain = domain_of(world);
     let id = |row: u32| domain.map_or(0, |domain| domain.id(row));
+    // Rows of sleeping particles differ from rank to rank, so contacts are found by ids.
     let mut ids: Vec<Id> = world.bodies.asleep.rows().map(id).collect();
     ids.sort_unstable();
     let all = domain.map_or(&[][..], |domain| &domain.sleeping);
@@ -229,6 +235,7 @@ pub(super) fn take_kept_of(
     let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
     let count = world.bodies.awake.rows.len();
     let indices = world.bodies.indices().to_vec();
+    // Bytes of a file are not trusted: an unknown id is an error, and no index.
     for of in kept.chunks_exact(KEPT) {
         let mut from = Reader::without_head(of);
         let row = row_of(from.get()?)?;
@@ -258,11 +265,14 @@ fn restore_sleepers(
     let index = |(&id, &island): (&Id, &Id)| Some((island, indices[row_of(id)? as usize]));
     let mut all: Vec<(Id, u32)> = members.iter().filter_map(index).collect();
     all.sort_unstable();
+    // A file may be forged. Immovable particles never sleep, and the steps rely on it.
     if all.len() < members.len()
         || all.iter().any(|of| !world.bodies.awake.particles.movable[of.1 as usize])
     {
         return Err(damaged("no such particle sleeps"));
     }
+    // The lists are filled as if the islands fell asleep now, so that the same functions take them
+    // out of the columns.
     let sleeping = &mut world.scratch.sleeping;
     sleeping.members.clear();
     sleeping.names.clear();
@@ -324,8 +334,10 @@ fn take_resting(
     }
     // A contact that this rank had before knows both rows.
     let unknown = |of: &Resting| of.rows.iter().filter(|&&row| row == NONE).count();
+    // Both ranks of a pair may send its contact to the same rank. One of them is kept.
     domain.resting.sort_by_key(|of| (of.ids, unknown(of)));
     domain.resting.dedup_by_key(|of| of.ids);
+    // Without a particle of this rank the contact has no use here.
     domain.resting.retain(|of| unknown(of) < 2);
     Ok(())
 }
@@ -336,6 +348,7 @@ pub(super) fn recall_resting(world: &mut World) {
     if domain.resting.is_empty() {
         return;
     }
+    // Own rows are known already. Those of ghosts change with each exchange.
     let ghosts = (domain.own as u32..).zip(&domain.ids[domain.own..]);
     let rows_of: HashMap<Id, u32> = ghosts.map(|(row, &id)| (id, row)).collect();
     let resting = domain.resting.clone();

@@ -32,7 +32,10 @@ pub struct Grid<'a> {
 impl<'a> Grid<'a> {
     /// The grid over `total` particles that have these scales.
     pub fn new(container: &Container, scales: &'a [Scale; 2], total: usize) -> Self {
+        // More cells mean fewer ghosts that are sent in vain, and longer lists of marks. The mean
+        // number of particles in a cell trades the two; results do not depend on it.
         let wanted = (total as f64 / IN_A_CELL).sqrt().clamp(1.0, CELLS as f64) as usize;
+        // A power of two, so that a cell is a shift of a cell of the scales.
         let shift = (CELLS / wanted).next_power_of_two().trailing_zeros();
         Self { scales, shift, count: CELLS >> shift, period: container.period().exact() }
     }
@@ -57,6 +60,7 @@ impl<'a> Grid<'a> {
     /// The same of an AABB, from the ends of both sides.
     #[inline(always)]
     fn range_of(&self, sides: Aabb) -> [[u16; 2]; 2] {
+        // On a torus both ends are wrapped, so the last cell may come before the first.
         let corners = [0, 1].map(|end| self.period.wrap([sides[0][end], sides[1][end]]));
         [0, 1].map(|axis| {
             let ends = sides[axis];
@@ -89,6 +93,8 @@ impl<'a> Grid<'a> {
     #[inline(always)]
     pub fn each_cell(&self, range: [[u16; 2]; 2], mut act: impl FnMut(usize)) {
         let [columns, rows] = range.map(|[first, last]| [usize::from(first), usize::from(last)]);
+        // Cells follow each other around the torus. Without a period the last one is never before
+        // the first.
         let next = |cell: usize| if cell + 1 == self.count { 0 } else { cell + 1 };
         let mut column = columns[0];
         loop {
@@ -139,6 +145,8 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
         for first in (0..len).step_by(BLOCK) {
             let [mut all, mut needing] = [EMPTY; 2];
             for index in first..len.min(first + BLOCK) {
+                // Two boxes for each block: one of all circles, with which ghosts are sent, and one
+                // of those that need ghosts, with which cells are marked.
                 let (center, radius, needs) = circle(index);
                 let sides = sides_of(center, radius);
                 all = union(all, sides);
@@ -156,6 +164,8 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
             if needing[0][0] > needing[0][1] {
                 continue;
             }
+            // Successive circles in Morton order are mostly near each other, and one box of few
+            // cells marks them all. It marks some cells in vain, which only costs ghosts.
             if let Some(range) = self.few_cells(needing) {
                 self.grid.each_cell(range, |cell| marks.set(cell));
                 continue;
@@ -173,6 +183,8 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
     pub fn each_near(&self, near: &Near, mut act: impl FnMut(usize, &[u32])) {
         let mut ranks = Vec::new();
         for (block, [all, _]) in self.bounds.iter().enumerate() {
+            // Most blocks are inside the domain of the rank. One test of their cells leaves them
+            // out.
             if let Some(range) = self.few_cells(all) {
                 let mut is_near = false;
                 self.grid.each_cell(range, |cell| is_near |= !near.of(cell).is_empty());
@@ -230,6 +242,8 @@ impl Marks {
     /// The runs of marked cells as bytes: the first and the last cell of each.
     pub fn runs(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
+        // Marked cells form runs along the boundary of a domain, so runs are shorter than lists of
+        // cells.
         let mut rest = 0;
         for run in self.0.chunk_by(|a, b| a == b) {
             let cells = [rest, rest + run.len() - 1];
@@ -261,6 +275,7 @@ impl Near {
     /// Lists which of the ranks, apart from `own`, have marked each cell; `all` are the runs of
     /// each rank.
     pub fn new(grid: &Grid<'_>, all: &[Vec<u8>], own: usize) -> Self {
+        // The iterator is made twice, to count and to fill.
         let marked = || {
             let others = (0..).zip(all).filter(move |(rank, _)| *rank as usize != own);
             others.flat_map(|(rank, runs)| cells_of(runs).map(move |cell| (rank, cell)))

@@ -39,6 +39,7 @@ pub fn distribute(
     ids: Vec<Id>,
 ) -> Result<()> {
     check_distributable(world)?;
+    // Sleeping islands of one process have no names, by which ranks know them.
     world.wake_all();
     let mut group = Group::new(communicator);
     let mut total = [ids.len() as u64];
@@ -99,6 +100,8 @@ pub fn distribute(
 
 /// Refuses what a distributed world cannot do.
 pub fn check_distributable(world: &World) -> Result<()> {
+    // A rank knows only particles near its own ones. A force of all particles needs all, and the
+    // ends of springs and what a motor drives may be on other ranks.
     let is_local = |influence: &Influence| match influence.role() {
         Role::Force(force) => force.reach() != Reach::All,
         Role::Springs(_) | Role::Motor(_) => false,
@@ -169,6 +172,7 @@ fn records_of(world: &World, rows: Range<usize>) -> Vec<u8> {
 /// A world with the settings, walls, forces, attachment and time of another, and the particles of some records.
 pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
     let (particles, _) = read_records(bytes);
+    // The setters check everything again, because records of a file may be forged.
     let mut world = World::new(particles, like.settings)?;
     world.set_walls(like.walls().to_vec())?;
     world.set_forces(like.forces())?;
@@ -181,6 +185,8 @@ pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
 /// Tells how much time this rank needs for each of its particles, from which the next domains
 /// follow. Results do not depend on it.
 pub fn set_work(world: &mut World, work: f64) {
+    // Measured times differ from run to run. They decide who computes a particle, never what is
+    // computed.
     if !world.halo.is_whole() && work > 0.0 && work.is_finite() {
         domain_of_mut(world).work = work;
     }

@@ -170,13 +170,18 @@ impl Domain {
     /// Finds out from the work of each rank and the ghosts of all whether to choose domains in the next step.
     /// All ranks have the same numbers.
     pub(crate) fn note_load(&mut self, work: impl Iterator<Item = f64> + Clone, ghosts: f64) {
+        // With given steps there is nothing to decide.
         if self.steps == self.chosen || self.rebalance_every.is_some() {
             return;
         }
+        // After a choice of domains the number of ghosts grows while particles mix. The most that
+        // the first steps have is the usual number.
         if self.steps < self.chosen + FEWEST_STEPS {
             self.usual_ghosts = self.usual_ghosts.max(ghosts);
             return;
         }
+        // All ranks compute this from the same gathered numbers in the same order. So they agree
+        // without another message.
         let (most, sum) = (work.clone().fold(0.0, f64::max), work.clone().sum::<f64>());
         let few = FEW_GHOSTS * work.count() as f64;
         self.is_stale |= most * self.received.len() as f64 > MAX_IMBALANCE * sum
@@ -203,6 +208,8 @@ impl Domain {
     pub(crate) fn note_further(&mut self) {
         let Self { far, further, ids, .. } = self;
         for (row, distance) in far.drain(..) {
+            // Announced further than it got, because it may get a little further in the next
+            // attempt, in which it meets more particles.
             let known = further.entry(ids[row as usize]).or_insert(0.0);
             *known = known.max(distance * FURTHER);
         }
@@ -234,6 +241,7 @@ impl Domain {
         self.received = received;
         self.far.clear();
         self.own_pairs.clear();
+        // Hashes and marks belong to the ghosts of one exchange.
         let len = self.ids.len();
         for column in [&mut self.digests, &mut self.ghost_pairs] {
             column.clear();
@@ -245,6 +253,7 @@ impl Domain {
 
     /// Lists the indices of own and of shared particles.
     pub(crate) fn list_indices(&mut self, rows: &[u32]) {
+        // A rank without ghosts on both sides needs no index by row.
         if !self.has_ghosts() && self.sent.iter().all(Vec::is_empty) {
             self.is_own.clear();
             self.is_own.resize(rows.len(), true);
@@ -260,6 +269,8 @@ impl Domain {
             indices_of.clear();
             indices_of.extend(rows.iter().map(|&row| indices[row as usize]));
         }
+        // Ghosts are in the rows after the own ones, in the order of ranks, as they have arrived.
+        // Both sides of an exchange have the same order, so no id travels with the numbers.
         let mut ghosts = indices[self.own..].iter().copied();
         let ranks = self.received.iter().map(|&count| ghosts.by_ref().take(count).collect());
         self.ghost_indices = ranks.collect();
@@ -267,6 +278,7 @@ impl Domain {
         is_own.clear();
         is_own.extend(rows.iter().map(|&row| (row as usize) < *own));
         shared.clear();
+        // Rows of ghosts are behind the list of own rows.
         let is_shared = |row: u32| is_sent.get(row as usize).is_none_or(|&is_sent| is_sent);
         shared.extend((0..).zip(rows).filter(|(_, row)| is_shared(**row)).map(|(index, _)| index));
     }
@@ -284,6 +296,7 @@ impl Domain {
         contacts.each_coloured(lists, |indices, [colour, kind]| {
             let movable = indices.map(|index| particles.movable[index as usize]);
             let rows = indices.map(|index| rows[index as usize]);
+            // Symmetric in the two particles, because the other rank has them in another order.
             let [a, b] = rows.map(|row| self.ids[row as usize]);
             let colour = u64::from(colour) << 8 | u64::from(kind);
             let hash = digest(digest(digest(1, a.min(b) as u64), a.max(b) as u64), colour);
@@ -304,6 +317,7 @@ impl Domain {
     pub(crate) fn add_pair_digests(&mut self, found: Vec<PairDigest>) {
         for PairDigest { rows: [own, ghost], movable, hash } in found {
             if movable[1] {
+                // Sums without overflow checks: each rank finds the contacts in its own order.
                 let sum = &mut self.ghost_pairs[ghost as usize];
                 *sum = sum.wrapping_add(hash);
             }
@@ -322,6 +336,7 @@ impl Domain {
         refinement: usize,
     ) -> Result<(ContactShape, usize)> {
         let ContactShape { colours, rounds, has_uneven } = own;
+        // Whole numbers below 2⁵³ are exact in float64, so one message takes the largest of all.
         let numbers = [colours, rounds, usize::from(has_uneven), refinement];
         let largest = (self as &dyn Halo).largest(numbers.map(|number| number as f64))?;
         let [colours, rounds, has_uneven, refinement] = largest.map(|number| number as usize);
@@ -336,6 +351,8 @@ impl Domain {
         movable: &[bool],
         rows: &[u32],
     ) -> Result<usize> {
+        // Each rank solves all contacts of its own movable particles, so those between two ranks
+        // are solved on both, with the same result.
         let is_own = |&index: &u32| movable[index as usize] && self.owns(rows[index as usize]);
         contacts.retain(|of| of.indices.iter().any(is_own));
         let rank =
@@ -365,14 +382,18 @@ impl Domain {
         if self.ranks < 2 {
             return;
         }
+        // Where nothing sleeps there are no limits yet, and an infinite one forbids nothing.
         limits.resize(rows.len(), f32::INFINITY);
         let all = rows.iter().zip(&particles.positions).zip(&*max_displacements).zip(limits);
         for (((&row, position), &max_displacement), limit) in all {
+            // Ghosts have no circle here: their own rank watches them.
             let Some(of) = self.announced.get(row as usize) else {
                 *limit = f32::INFINITY;
                 self.left.push(f32::INFINITY);
                 continue;
             };
+            // In later parts of a step the particle is no longer where it was announced. The factor
+            // is a reserve for rounding.
             let moved = if *position == of.position {
                 0.0
             } else {
@@ -381,6 +402,8 @@ impl Domain {
                 ((x * x + y * y).sqrt() * 1.000_01) as f32
             };
             let left = of.distance - moved;
+            // Bounds beyond the announced circle may overlap particles that this rank does not
+            // have. The step is repeated with a wider circle.
             if left < max_displacement {
                 self.far.push((row, moved + max_displacement));
             }
@@ -431,6 +454,7 @@ impl Halo for Domain {
             return Ok(());
         }
         for bytes in locked(&self.group).share(any)? {
+            // Ranks may have lists of different lengths. Missing bytes are 0.
             any.resize(any.len().max(bytes.len()), 0);
             any.iter_mut().zip(bytes).for_each(|(any, bits)| *any |= bits);
         }
@@ -446,6 +470,7 @@ impl Halo for Domain {
         let bytes_of = |lists: &[Vec<u32>]| -> Vec<usize> {
             lists.iter().map(|indices| indices.len() * size).collect()
         };
+        // Both sides know all sizes from the exchange of ghosts, so no sizes are sent.
         let (sent, received) = (bytes_of(&self.sent_indices), bytes_of(&self.ghost_indices));
         let mut to = Vec::with_capacity(sent.iter().sum());
         self.sent_indices.iter().flatten().for_each(|&index| put(index, &mut to));

@@ -32,6 +32,8 @@ impl Changed {
         for bytes in all {
             let (words, _) = bytes.as_chunks::<8>();
             let words: Vec<Id> = words.iter().map(|word| Id::from_le_bytes(*word)).collect();
+            // The words come from other ranks of the same program, not from a file, so they are
+            // trusted.
             let [wakes_all, driven, _] = [words[0], words[1], words[2]];
             let (driven, names) = words[3..].split_at(driven as usize);
             joined.wakes_all |= wakes_all > 0;
@@ -66,8 +68,11 @@ pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) ->
         driven: driven.iter().map(|&row| domain.id(row)).collect(),
         names: world.bodies.asleep.names(&islands).collect(),
     };
+    // A message of all ranks in any case: this rank cannot know whether others have changes.
     let Changed { wakes_all, driven, mut names } =
         Changed::join(&locked(&domain.group).share(&own.words())?);
+    // All ranks have the same `driven`, so all enter here or none. The contacts of a sleeping
+    // island are on several ranks, of which each knows some that touch.
     if !driven.is_empty() && !wakes_all {
         let names_only = Changed { names: domain.islands_touching(&driven), ..Changed::default() };
         let all = locked(&domain.group).share(&names_only.words())?;
@@ -87,6 +92,7 @@ pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) ->
 /// before; `count` are added on all ranks.
 pub fn add(world: &mut World, records: Vec<u8>, ids: &[Id], count: usize) -> Result<()> {
     drop_ghosts(world);
+    // As in one process: steps do not test immovable particles against sleeping ones.
     let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
     if world.halo().any(is_fixed)? {
         world.wake_all();
@@ -95,9 +101,11 @@ pub fn add(world: &mut World, records: Vec<u8>, ids: &[Id], count: usize) -> Res
     let first = domain.own;
     append_records(world, &[records], true);
     let domain = domain_of_mut(world);
+    // The ids in the records are those of the caller; ids of the whole world replace them.
     domain.ids[first..].copy_from_slice(ids);
     domain.total += count;
     domain.next += count as Id;
+    // New particles are on any rank. The next step moves them to their domains.
     domain.is_stale = true;
     Ok(())
 }
@@ -112,6 +120,7 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     let is_gone = |id: &Id| ids.binary_search(id).is_ok();
     let gone: Vec<bool> = domain.ids.iter().map(is_gone).collect();
     let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
+    // While the rows still have their old meaning.
     wake_edited(world, &[], &rows)?;
     let shifted = world.take_out(&gone);
     let domain = domain_of_mut(world);
@@ -119,10 +128,12 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     domain.own = domain.ids.len();
     domain.total -= ids.len();
     domain.resting.retain_mut(|of| {
+        // `NONE` stays what it is, because it is no index of the list.
         of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(row));
         !of.ids.iter().any(is_gone)
     });
     world.bodies.ids = Ids::of_rows(world.halo.own_rows() as usize);
+    // Their pairs are reported as `left` at the end of the record, so they are kept apart.
     let at_end = &mut world.record.at_end;
     let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
     world.record.gone.extend(removed);

@@ -38,12 +38,15 @@ pub(super) fn exchange_ghosts(world: &mut World, dt: f32) -> Result<bool> {
     let fall = distance_of_fall(world.settings.gravity, dt);
     let Some(domain) = domain_of(world) else { return Ok(true) };
     let distance = |(index, &row): (usize, &u32)| {
+        // The same bounds as in a step: velocity, gravity and forces of the caller. Collisions and
+        // other forces are covered by the margin.
         let own = distance_at(world.bodies.awake.particles.velocities[index], dt);
         let external = world.external.as_ref().map_or([0.0; 2], |external| external[row as usize]);
         let pulled = fall + distance_of_fall(external, dt);
         let usual = own + if world.bodies.awake.particles.movable[index] { pulled } else { 0.0 };
         let known =
             if domain.further.is_empty() { None } else { domain.further.get(&domain.id(row)) };
+        // What got too far in an attempt before is announced by that much further.
         known.map_or(usual, |known| known.max(usual)) + margin as f32
     };
     let distances: Vec<f32> = world.bodies.awake.rows.iter().enumerate().map(distance).collect();
@@ -78,11 +81,13 @@ pub(super) fn renew_ghosts(world: &mut World, dt: f32) -> Result<()> {
         return Ok(());
     }
     drop_ghosts(world);
+    // Lists by rows lose what belongs to ghosts that are gone.
     let own = world.halo.own_rows();
     world.scratch.wall_pushes.retain(|of| of.row < own);
     world.scratch.exhausted.retain(|&row| row < own);
     exchange_ghosts(world, dt)?;
     let exhausted = std::mem::take(&mut world.scratch.exhausted);
+    // All ranks take part in the next exchange, or none.
     let any = world.halo().any(!exhausted.is_empty())?;
     world.scratch.exhausted = exhausted;
     if any && !world.halo.is_alone() { share_exhausted(world) } else { Ok(()) }
@@ -136,6 +141,9 @@ fn exchange_within(world: &mut World, distances: &[f32]) -> Result<()> {
         let needs_ghosts = particles.movable[index] || settings.track_events || wakes;
         (center, radius * 1.000_01 + rounding, needs_ghosts)
     };
+    // Three messages. All ranks get the cells near particles that need ghosts. Each sends its
+    // particles whose circles overlap cells of another rank to that rank. The circles of sleeping
+    // particles go the same way, so that the ranks of moving particles find what they would touch.
     let circles = CircleBlocks::new(&grid, rows.len(), circle);
     let near = Near::new(&grid, &group.share(&circles.marks().runs())?, group.rank());
     let mut to = vec![Vec::new(); group.size()];
@@ -153,6 +161,7 @@ fn exchange_within(world: &mut World, distances: &[f32]) -> Result<()> {
         let circles = group.exchange(&circles)?.concat();
         *foreign = islands_of_circles(&circles, settings.tree)?;
     }
+    // The lock is released before the domain changes.
     drop(group);
     let received = arrived.iter().map(|bytes| bytes.len() / RECORD).collect();
     append_records(world, &arrived, false);
@@ -188,6 +197,7 @@ fn margin_and_extent(world: &mut World, dt: f32) -> Result<(f64, f64)> {
     let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
     domain.extent = (!is_torus).then_some(area);
     let extent = (right + left).max(bottom + top).max(0.0);
+    // Half of the cutoff for each of two circles: they overlap if the particles are neighbours.
     let usual = f64::from(scratch.usual_speed) * f64::from(dt);
     let of_forces = 0.5 * f64::from(world.influences.largest_cutoff());
     let margin = (MARGIN * radius + usual) * domain.widened + of_forces;

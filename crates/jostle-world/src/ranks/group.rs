@@ -72,11 +72,14 @@ impl Group {
     }
 
     fn gather_some(&mut self, own: impl IntoIterator<Item = u64>) -> Result<Vec<[u64; WORDS - 1]>> {
+        // The first word tells whether the rank has failed, so no failure needs a message of its
+        // own.
         let mut block = [0; WORDS];
         for (count, number) in (1..).zip(own) {
             block[count] = number;
         }
         let all = self.gather_blocks(&block)?;
+        // Every rank sees the same block, so all return the error in the same call.
         match all.iter().position(|block| block[0] > 0) {
             Some(rank) => Err(Error::OtherRank { rank }),
             None => Ok(all.iter().map(|block| std::array::from_fn(|k| block[k + 1])).collect()),
@@ -104,6 +107,8 @@ impl Group {
 
     /// Replaces numbers, fifteen at most, by the largest of all ranks.
     pub fn largest(&mut self, numbers: &mut [f64]) -> Result<()> {
+        // Each rank computes the largest of the gathered numbers itself. A reduction by the library
+        // could use another order; for sums of floating-point numbers that would change bits.
         let all = self.gather_some(numbers.iter().map(|number| number.to_bits()))?;
         for (k, number) in numbers.iter_mut().enumerate() {
             *number = all.iter().map(|of| f64::from_bits(of[k])).fold(*number, f64::max);
@@ -122,6 +127,7 @@ impl Group {
 
     /// Gathers bytes from each rank, in the order of ranks.
     pub fn share(&mut self, own: &[u8]) -> Result<Vec<Vec<u8>>> {
+        // Failures are reported in this call, so the next one is made by all ranks.
         let counts = self.gather([own.len() as u64])?;
         let counts: Vec<usize> = counts.iter().map(|[count]| *count as usize).collect();
         self.traffic.calls += 1;
@@ -133,6 +139,7 @@ impl Group {
     pub fn exchange(&mut self, to: &[Vec<u8>]) -> Result<Vec<Vec<u8>>> {
         let sent: Vec<usize> = to.iter().map(Vec::len).collect();
         let lengths: Vec<u64> = sent.iter().map(|&count| count as u64).collect();
+        // The calls that follow cannot report a failure, so it is asked for before.
         self.gather([])?;
         self.traffic.calls += 1;
         let received = self.communicator.transpose(&lengths)?;

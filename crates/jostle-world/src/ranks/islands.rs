@@ -93,6 +93,7 @@ pub(super) fn join_islands(world: &mut World) -> Result<()> {
     let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
     names.clear();
     names.resize(rows.len(), NO_NAME);
+    // The smallest id of its own particles names a group. It depends on no rows.
     for (&first, &row) in first.iter().zip(&*rows).filter(|(_, row)| domain.owns(**row)) {
         let name = &mut names[first as usize];
         *name = (*name).min(domain.id(row));
@@ -100,11 +101,14 @@ pub(super) fn join_islands(world: &mut World) -> Result<()> {
     if locked(&domain.group).size() < 2 {
         return Ok(());
     }
+    // Only groups with ghosts can be parts of larger islands. Others keep their names and their
+    // motion.
     let own = groups_with_ghosts(domain, (first, names), of_islands)?;
     let mut to = Writer::default();
     to.put_count(own.len());
     own.values().for_each(|group| group.put(&mut to));
     let mut groups: Vec<Group> = Vec::new();
+    // Every rank reads the groups in the order of ranks and joins them in the same way.
     for bytes in locked(&domain.group).share(&to.into_bytes())? {
         groups.append(&mut Saved::get(&mut Reader::without_head(&bytes))?);
     }
@@ -120,6 +124,7 @@ pub(super) fn keep_pairs_of_sleepers(world: &mut World) -> Result<()> {
     if !world.settings.track_events {
         return Ok(());
     }
+    // Ghosts are still there, so pairs of two ranks are found, too.
     let mut scratch = std::mem::take(&mut world.scratch.touching);
     let pairs =
         world.find_touching_of(&world.bodies.awake.particles, &mut scratch).map(Iterator::collect);
@@ -164,8 +169,11 @@ fn groups_with_ghosts(
 ) -> Result<BTreeMap<u32, Group>> {
     let label = |index: u32| names[first[index as usize] as usize];
     let mut groups = BTreeMap::new();
+    // Each ghost brings the label of its group on its own rank. That is the edge between two
+    // groups.
     let ghosts = (domain as &dyn Halo).labels(|index| label(index) as u64)?;
     for (index, other) in ghosts {
+        // A ghost that touches no own particle is in no group of this rank.
         if label(index) == NO_NAME {
             continue;
         }

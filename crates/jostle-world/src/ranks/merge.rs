@@ -88,6 +88,8 @@ pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result
     let (mut own, mut words, mut shared) = (Vec::new(), Vec::new(), Vec::new());
     for group in indices.chunk_by(|a, b| a[0] == b[0]) {
         let rows = group.iter().map(|&[_, index]| world.bodies.awake.rows[index as usize]);
+        // A group without ghosts, and without particles that are ghosts elsewhere, is a whole
+        // island. Others are sent to all ranks, which join them.
         if rows.clone().any(|row| !domain.owns(row) || is_sent(row)) {
             // A particle near immovable ones of other ranks need not be a ghost there.
             let indices = group.iter().map(|&[_, index]| index);
@@ -103,6 +105,8 @@ pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     let all = locked(&domain.group).share(&bytes)?.concat();
     let islands = join(&all);
+    // Another rank may have found that an own particle touches one of its own. This rank then has
+    // the particle in no group of its own.
     let sent = (0..).zip(&world.bodies.awake.rows).filter(|&(_, &row)| is_sent(row));
     let shared = shared.into_iter().chain(sent.map(|(index, _)| index));
     own.extend(shared.filter_map(|index| {
@@ -118,6 +122,8 @@ pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result
 pub(super) fn merge_members(world: &mut World, members: &[Member]) -> Result<bool> {
     let to = put_members(world, members);
     let Some(domain) = domain_of(world) else { return Ok(false) };
+    // Members travel to the rank of the smallest id. The names of the islands that have merged
+    // travel back, because `union` may refuse an island, and its members stay then.
     let arrived = locked(&domain.group).exchange(&to)?;
     let arrived = read_members(world, &arrived)?;
     let merged = unions(world, &arrived);
@@ -133,6 +139,8 @@ pub(super) fn merge_members(world: &mut World, members: &[Member]) -> Result<boo
     names.sort_unstable();
     let has_merged = |of: &&Member| names.binary_search(&of.island).is_ok();
     let members: Vec<Member> = members.iter().filter(has_merged).copied().collect();
+    // All ranks must know whether anything has merged, because all repeat the search for overlaps
+    // then.
     let gone = members.iter().filter(|of| id_of_index(world, of.index) != of.island).count();
     let [gone] = world.halo().sum([gone as u64])?;
     if gone == 0 {
@@ -193,6 +201,8 @@ fn read_members(world: &World, from: &[Vec<u8>]) -> Result<Arrived> {
         }
     }
     let (starts, ids) = read_records(&starts);
+    // The order of one process: that of its tree over the positions at the beginning of the part,
+    // with the extent of all ranks, ties by state and id. Sums in `union` have the same bits then.
     let tie = |a: usize, b: usize| starts.compare(a, b).then_with(|| ids[a].cmp(&ids[b]));
     let centers = starts.positions.clone();
     let shapes = Shapes::circles(centers, Each::One(0.0))?;
@@ -209,6 +219,7 @@ fn unions(world: &World, arrived: &Arrived) -> Vec<Merged> {
     let Arrived { states: [_, ends], details, order } = arrived;
     let mut all = order.clone();
     all.sort_by_key(|&at| details[at].island);
+    // The sort by islands is stable, so members keep this order.
     let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
     let merge = |members: &[usize]| {
         let particle = union(ends, members, &world.settings.container)?;
@@ -242,6 +253,7 @@ fn write_merged(world: &mut World, members: &[Member], merged: &[Merged], starts
         bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, wall_impulses, ..
     } = world;
     let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
+    // What belonged to members comes back with the merged particle, from all ranks.
     wall_impulses.retain(|of| !has_merged[of.row as usize]);
     wall_pushes.retain(|of| !has_merged[of.row as usize]);
     exhausted.retain(|&row| !has_merged[row as usize]);

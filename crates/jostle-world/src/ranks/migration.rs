@@ -38,6 +38,7 @@ struct Leaving {
 
 /// Removes the ghosts.
 pub fn drop_ghosts(world: &mut World) {
+    // While the rows of ghosts still name them.
     keep_resting(world);
     if world.halo.is_whole() {
         return;
@@ -52,6 +53,8 @@ pub fn drop_ghosts(world: &mut World) {
     let wall_impulses = &mut world.wall_impulses;
     let domain = Domain::of_mut(&mut **halo);
     let own = domain.own;
+    // A step sorts own particles and ghosts together. The gaps are filled from the end: the tree of
+    // the next step sorts again, so this order decides nothing.
     if domain.has_ghosts() {
         let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
         let mut end = rows.len();
@@ -76,6 +79,7 @@ pub fn drop_ghosts(world: &mut World) {
         wall_impulses.retain(|of| (of.row as usize) < own);
         *ids = Ids::of_rows(own);
     }
+    // They name indices of ghosts; what is needed of them is kept by ids.
     contacts.forget();
     world.bodies.forget_indices();
 }
@@ -134,6 +138,8 @@ pub(super) fn rebalance(world: &mut World) -> Result<()> {
     let container = settings.container;
     let wrapped: Vec<_> =
         particles.positions.iter().map(|&at| container.period().wrap(at)).collect();
+    // First scales, then keys on these scales, then cuts of the sorted keys. With quantiles as
+    // scales, dense regions have as many cells as thin ones, and domains stay compact.
     domain.scales = scales_of_all(&domain.group, &wrapped, container.period())?;
     let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
     let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
@@ -158,6 +164,7 @@ pub(super) fn rebalance(world: &mut World) -> Result<()> {
         all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
     }
     let Some(domain) = domain_of(world) else { return Ok(()) };
+    // New particles are in the last rows.
     let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
     let resting = read_all::<Resting>(&resting).collect();
     take_kept_of(world, &rows, [&kept, &pushes], resting)?;
@@ -206,6 +213,8 @@ fn leaving(world: &World, keys: &[u64], cuts: &[u64]) -> Leaving {
     };
     let Some(domain) = domain_of(world) else { return leaving };
     let rank = locked(&domain.group).rank();
+    // Only particles that are awake have keys. Sleeping ones stay on the rank where they fell
+    // asleep: they cost no time.
     for (index, key) in keys.iter().enumerate() {
         let destination = cuts.partition_point(|cut| cut <= key);
         if destination == rank {
@@ -223,6 +232,7 @@ fn leaving(world: &World, keys: &[u64], cuts: &[u64]) -> Leaving {
     }
     for of in &domain.resting {
         let mut destinations = of.rows.map(|row| leaving.destinations.get(&row).copied());
+        // Two particles that leave together take their contact once.
         if destinations[0] == destinations[1] {
             destinations[1] = None;
         }
@@ -273,6 +283,8 @@ fn leave(world: &mut World, destinations: &HashMap<u32, usize>) -> usize {
 /// The keys at which the domains of all ranks but the first begin.
 fn cuts_of_all(group: &Mutex<Group>, keys: &[u64], work: f64) -> Result<Vec<u64>> {
     let mut group = locked(group);
+    // All ranks gather the same samples and compute the same cuts, so no rank needs to tell the
+    // others.
     let samples = sample(&mut keys.to_vec());
     let samples: Vec<u8> = samples.iter().flat_map(|key| key.to_le_bytes()).collect();
     let amounts = group.gather([(work * keys.len() as f64).to_bits()])?;

@@ -56,6 +56,7 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
     let settings = from.get_count()?;
     let settings = World::restore(&from.get_all::<u8>(settings)?)?;
     let table: Vec<[u64; 2]> = from.get_all(next.div_ceil(CHUNK) as usize)?;
+    // Chunks have their own checksums, because several ranks write them at the same time.
     let mut parts = [const { Vec::new() }; SIZES.len()];
     for [size, sum] in table {
         let chunk: Vec<u8> = from.get_all(size as usize)?;
@@ -65,6 +66,7 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
         let mut chunk = Reader::without_head(&chunk);
         let counts: [u64; SIZES.len()] = chunk.get()?;
         for ((part, count), size) in parts.iter_mut().zip(counts).zip(SIZES) {
+            // A forged count must not overflow. Too many bytes are an error of the reader.
             part.extend(chunk.get_all::<u8>((count as usize).saturating_mul(size))?);
         }
         chunk.close()?;
@@ -76,6 +78,8 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
         return Err(damaged("the number of its particles is wrong"));
     }
     let valid = |error: Error| damaged(&error.to_string());
+    // First particles, then ids, then what is kept by ids. After that the same checks as for a
+    // snapshot.
     let mut world = of_records(&settings, records).map_err(valid)?;
     set_ids(&mut world, &ids, next as Id).map_err(valid)?;
     take_kept(&mut world, [kept, resting, pushes, members, touches])?;

@@ -54,7 +54,9 @@ impl Protocol for Ranks {
         world: &mut World,
         step: &mut dyn FnMut(&mut World) -> Result<()>,
     ) -> Result<()> {
+        // A rank that panics would leave the others in a message that never ends.
         let done = catch_unwind(AssertUnwindSafe(|| step(world)));
+        // The others know of an error that came from another rank.
         let is_cause = !matches!(done, Ok(Ok(()) | Err(Error::OtherRank { .. })));
         if is_cause {
             world.halo.fail();
@@ -69,12 +71,14 @@ impl Protocol for Ranks {
     fn migrate(&self, world: &mut World) -> Result<bool> {
         move_to_domains(world)?;
         let domain = domain_of_mut(world);
+        // All ranks have learned in `sum_up` that nothing moves, so none waits for this one.
         if domain.is_still {
             domain.steps += 1;
             world.wall_impulses.clear();
             world.stats = Stats::default();
             return Ok(false);
         }
+        // A step that fails must not keep contacts that waking has added.
         domain.kept = domain.resting.len();
         domain.widened = domain.widening;
         domain.further.clear();
@@ -85,6 +89,7 @@ impl Protocol for Ranks {
         domain_of_mut(world).before = None;
         let has_all = exchange_ghosts(world, dt)?;
         domain_of_mut(world).has_all = has_all;
+        // Contacts with ghosts can be found only when the ghosts are there.
         recall_resting(world);
         Ok(())
     }
@@ -119,6 +124,7 @@ impl Protocol for Ranks {
             ..
         } = world;
         let domain = Domain::of_mut(&mut **halo);
+        // Before `divide`, which removes the contacts that other ranks solve.
         let of_pairs = domain.digest_colours(contacts, &scratch.overlaps, particles, rows);
         let (mut shape, refinement) = domain.shape_of_all(own, refinement)?;
         domain.add_pair_digests(of_pairs);
@@ -176,6 +182,7 @@ impl Protocol for Ranks {
 
     fn undo(&self, world: &mut World) {
         let domain = domain_of_mut(world);
+        // What this attempt has found out about distances is needed by the next one.
         domain.note_further();
         if let Some(count) = domain.before.take() {
             domain.restore(count);
@@ -185,10 +192,14 @@ impl Protocol for Ranks {
 
     fn widen(&self, world: &mut World, agreement: Agreement, dt: f64) -> Result<()> {
         let domain = domain_of_mut(world);
+        // With all particles on each rank every rank computes the same step. A difference is an
+        // error of the program, and must not repeat for ever.
         if agreement == Agreement::Different && domain.has_all {
             let rule = "the ranks do not agree on the step; please report it";
             return Err(Error::of("dt", dt, rule));
         }
+        // Doubling reaches all particles after at most 30 attempts, and costs little more than the
+        // last one.
         domain.widened *= 2.0;
         domain.repeats += 1;
         Ok(())
@@ -258,6 +269,8 @@ pub(super) fn digest_shared(world: &mut World) {
         domain.digests[row] = hash;
         domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
     }
+    // Two ways to get too far: in a history of collisions, and by the motion as a whole, which
+    // contains position correction.
     for &(index, distance) in &events.outside_limits {
         let left = domain.left.get(index as usize).copied().unwrap_or(f32::INFINITY);
         if distance > f64::from(left) {
@@ -289,6 +302,8 @@ pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
     if locked(&domain.group).size() < 2 || !has_accelerations {
         return Ok(());
     }
+    // The forces of the first sub-step come before the columns are sorted, so the indices are not
+    // those that `begin_part` lists.
     domain.list_indices(rows);
     let halo: &dyn Halo = domain;
     let force = &mut scratch.forces;
@@ -298,6 +313,8 @@ pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
         |index| accelerations[index as usize].get(),
         |index, acceleration| accelerations[index as usize].set(acceleration),
     )?;
+    // Neighbours within the cutoff are known if the circles with half of it are within those
+    // announced.
     let half_cutoff = 0.5 * influences.largest_cutoff();
     for (&position, &row) in force.halfway.iter().zip(&*rows) {
         let Some(of) = domain.announced.get(row as usize) else { continue };
@@ -320,9 +337,12 @@ pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
     if halo.is_alone() {
         return Ok(Agreement::Same);
     }
+    // If a particle got too far, ghosts are missing, and the hashes mean nothing.
     if halo.any(!domain.far.is_empty())? {
         return Ok(Agreement::Further);
     }
+    // A hash of the motion alone is not enough: colours decide the order of solving, and follow
+    // from contacts that the other rank may not have.
     let hash = |row: u32, rank: u32| {
         let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
         digest(domain.digests[row as usize], pairs)
@@ -340,6 +360,8 @@ pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
     });
     // A step that ended early, or that differs, is repeated.
     let is_refused = !world.scratch.meets_sleepers && world.scratch.events.has_too_many();
+    // All ranks must return the same, so the numbers are added up even where this rank knows its
+    // answer.
     let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;
     if different > 0 {
         return Ok(Agreement::Different);

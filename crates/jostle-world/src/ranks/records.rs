@@ -19,6 +19,8 @@ pub fn put_record(to: &mut Vec<u8>, id: Id, all: &Particles, row: usize) {
     to.resize(start + RECORD, 0);
     let mut rest = &mut to[start..];
     put(&mut rest, id as u64);
+    // One pass for each width: fields of eight bytes first, so that each number is aligned in a
+    // record.
     for width in WIDTHS {
         all.visit_row(row, &mut Put { rest: &mut rest, width });
     }
@@ -55,6 +57,7 @@ pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>) {
             all.visit_row_mut(row, &mut Get { rest: &mut rest, width });
         }
     }
+    // Reading fills all columns; those with default values alone are removed again.
     all.simplify();
     (all, ids)
 }

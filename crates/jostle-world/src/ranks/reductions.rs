@@ -26,6 +26,8 @@ pub(super) fn sum_up(world: &mut World) -> Result<()> {
     let has_friction = world.bodies.awake.particles.has_friction();
     let moving = (0..world.bodies.awake.rows.len())
         .any(|index| !world.bodies.awake.particles.is_static(index));
+    // One message for all that a step needs to know of the others, instead of one for each
+    // question.
     let flags = [!world.are_own_lossless(), has_friction, moving].map(u64::from);
     let counts =
         [world.bodies.awake.rows.len(), world.bodies.asleep.len()].map(|count| count as u64);
@@ -42,6 +44,7 @@ pub(super) fn sum_up(world: &mut World) -> Result<()> {
     (domain.is_lossless, domain.has_friction) = (inelastic == 0, frictions > 0);
     (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
     domain.is_still = asleep > 0 && moving == 0;
+    // Ranks exchange angular velocities if any particle has friction, so all need the column.
     if frictions > 0 {
         world.bodies.awake.particles.spins_mut();
     }

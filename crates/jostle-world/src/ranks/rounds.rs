@@ -55,6 +55,8 @@ impl Link {
 
 /// The round of each contact in the sequence of this rank, and the number of rounds of all ranks.
 pub fn rounds(group: &Mutex<Group>, own: &[Link]) -> Result<(Vec<u32>, usize)> {
+    // Rounds follow from the contacts of all ranks, so all are shared. They are few: only those
+    // that no colour was left for are solved in sequence.
     let mut bytes = Vec::with_capacity(own.len() * SIZE);
     own.iter().for_each(|link| link.put(&mut bytes));
     let all = locked(group).share(&bytes)?;
@@ -71,6 +73,7 @@ fn rounds_of(sequences: &[Vec<Link>]) -> HashMap<Link, u32> {
     // The contacts before and after each one at its two particles.
     let (mut links, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new());
     let (mut known, mut last) = (HashMap::new(), HashMap::new());
+    // Two ranks have the same contact. It is one node of the graph.
     for (rank, &link) in
         (0..).zip(sequences).flat_map(|(rank, of)| of.iter().map(move |one| (rank, one)))
     {
@@ -80,6 +83,7 @@ fn rounds_of(sequences: &[Vec<Link>]) -> HashMap<Link, u32> {
             after.push(Vec::new());
             links.len() - 1
         });
+        // Only the rank of a particle knows all its contacts, so its sequence orders them.
         for (id, _) in link.ids.iter().zip(link.ranks).filter(|of| of.1 == Some(rank)) {
             if let Some(previous) = last.insert(*id, at) {
                 before[at].push(previous);
@@ -87,10 +91,14 @@ fn rounds_of(sequences: &[Vec<Link>]) -> HashMap<Link, u32> {
             }
         }
     }
+    // A topological order (A. B. Kahn, 1962). The sequences are parts of one order, so there is no
+    // cycle.
     let mut missing: Vec<usize> = before.iter().map(Vec::len).collect();
     let mut ready: Vec<usize> = (0..links.len()).filter(|&at| missing[at] == 0).collect();
     let mut rounds = vec![0; links.len()];
     while let Some(at) = ready.pop() {
+        // A rank that has solved the contact before knows the particle at once. Another rank gets
+        // it at the beginning of the next round.
         let round = |&previous: &usize| {
             let ranks = links[at].ranks.iter().flatten();
             let is_known = ranks.copied().all(|rank| links[previous].is_of(rank));

@@ -36,9 +36,13 @@ impl Scale {
         let mut sorted = samples.to_vec();
         sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut edges = quantiles(&sorted);
+        // On a torus coordinates outside of the samples are possible, and the scale must cover the
+        // period.
         if let Some(side) = period {
             (edges[0], edges[CELLS]) = (0.0, side);
         }
+        // The first and the last cell may be very long, because of a particle far away. Buckets
+        // divide only what is between them.
         let (origin, end) = (edges[1], edges[CELLS - 1]);
         let per_length = BUCKETS as f64 / (end - origin);
         let per_length = if per_length.is_finite() { per_length } else { 0.0 };
@@ -62,6 +66,7 @@ impl Scale {
     #[inline(always)]
     pub fn cell(&self, x: f64) -> usize {
         let bucket = self.bucket(x);
+        // Most buckets contain one edge at most, so one comparison replaces a search.
         let [first, last] = [bucket, bucket + 1].map(|bucket| usize::from(self.hints[bucket]));
         if last <= first + 1 {
             // Without a branch that depends on the coordinate.
@@ -108,7 +113,9 @@ fn quantiles(sorted: &[(f64, f64)]) -> Vec<f64> {
 
 /// Coordinates of evenly spaced particles as bytes: those of one axis, then those of the other.
 pub fn sample_positions(positions: &[[f32; 2]], ranks: usize) -> Vec<u8> {
+    // A sample of a sample: to sort all coordinates of a rank would take longer than it gains.
     let stride = positions.len().div_ceil(SORTED).max(1);
+    // All ranks together have about as many samples whatever their number, because each reads all.
     let count = (SAMPLES / ranks.max(1)).clamp(MIN_SAMPLES, MAX_SAMPLES);
     let mut bytes = Vec::new();
     for k in [0, 1] {

@@ -41,6 +41,7 @@ impl Asleep {
             let Island { particles, name, .. } = &self.sleepers().islands[number as usize];
             for at in particles.clone().map(|at| at as usize) {
                 let (position, radius) = (all.positions[at], all.radii[at]);
+                // Reserves for rounding, as for the circles of moving particles.
                 let half_width =
                     f64::from(radius) * 1.000_01 + f64::from(rounding(position, radius, container));
                 near.list_ranks(grid, container.period().wrap(position), half_width, &mut ranks);
@@ -70,6 +71,7 @@ pub(crate) fn islands_of_circles(bytes: &[u8], settings: Settings) -> Result<Asl
             (u64::load(&from[..8]) as Id, Plain::load(&from[8..20]), Plain::load(&from[20..]))
         })
         .collect();
+    // Circles of an island come from several ranks.
     circles.sort_by_key(|&(island, ..)| island);
     let mut found = Asleep::default();
     if circles.is_empty() {
@@ -148,6 +150,7 @@ pub(super) fn wake_touched(world: &mut World, touched: &[u32], all: bool) -> Res
     names.append(&mut domain.touched);
     names.sort_unstable();
     names.dedup();
+    // Names travel, because the numbers of islands differ between ranks.
     let bytes: Vec<u8> = names.iter().flat_map(|name| name.to_le_bytes()).collect();
     let found = locked(&domain.group).share(&bytes)?.concat();
     let (found, _) = found.as_chunks::<8>();
@@ -159,6 +162,7 @@ pub(super) fn wake_touched(world: &mut World, touched: &[u32], all: bool) -> Res
         world.bodies.asleep.named(&names)
     };
     world.wake(&islands);
+    // The numbers of particles that are awake have changed, on which steps depend.
     sum_up(world)
 }
 

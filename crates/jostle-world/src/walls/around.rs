@@ -88,6 +88,7 @@ impl Around<'_> {
         extent: f32,
         left: Option<u32>,
     ) -> [bool; 2] {
+        // The list is complete only within the bounds in which it was searched.
         let (at, near) = (index as usize, self.near);
         let ([x, y], [p, q]) = (path.position, self.particles.positions[at]);
         let square = (x - p) * (x - p) + (y - q) * (y - q);
@@ -101,6 +102,8 @@ impl Around<'_> {
         let mut found = [false; 2];
         let all = near.starts[at] as usize..near.starts[at + 1] as usize;
         for NearWall { number, segment } in &near.walls[all] {
+            // Without this, each disc that has just bounced off a wall would be tested in float64
+            // again.
             let is_left = || left == Some(*number) && segment.is_left(path, extent);
             if segment.may_touch(path, radius, extent) && !is_left() {
                 found = [found[0] | segment.may_touch(&here, radius, extent), true];
@@ -112,6 +115,7 @@ impl Around<'_> {
     /// The wall with a number, if a disc that bounces off it may count as having left it: one that
     /// stands still and has no images.
     pub fn left(&self, wall: u32) -> Option<u32> {
+        // A moving wall may catch up with the disc, and on a torus another image may be ahead.
         (self.walls.period().is_none() && !self.walls.any_moves).then_some(wall)
     }
 
@@ -133,6 +137,7 @@ impl Around<'_> {
         let at = index as usize;
         let radius = f64::from(radii[at]);
         let anchor = exact(positions[at], residuals[at]);
+        // The farthest corner of the box from where the disc was when walls were searched.
         let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
         // The circles of the bounds and the boxes of the walls have a reserve for rounding.
         if dot(far, far).sqrt() + extent <= f64::from(self.near.max_displacements[at]) {
@@ -160,6 +165,7 @@ impl Around<'_> {
         let mut start = segment.time;
         let radius = f64::from(self.particles.radii[index as usize]);
         let (velocity, span) = (segment.velocity, until - start);
+        // An upper bound: gravity adds to the speed as if it had the same direction.
         let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
         let longest = fastest * span;
         if self.is_far(index, segment.position.map(|v| v as f32), longest as f32) {
@@ -168,6 +174,7 @@ impl Around<'_> {
         // Not a number without displacement of a point.
         let parts = longest / (PART * radius);
         let is_long = parts > 1.0;
+        // A disc that stays where its walls were searched needs no search in the tree.
         let mut search = Search { around: self, segment, radius, gravity, first: None };
         if !is_long && self.stays_near(index, segment.position, longest) {
             self.near.each(index, |wall, offset| {
@@ -175,6 +182,8 @@ impl Around<'_> {
             });
             return search.first;
         }
+        // The box around a long path contains walls far from the path, and in the worst case all.
+        // Parts of it have small boxes, and the search ends with the part that has an impact.
         let parts = if is_long { parts.min(MAX_PARTS).ceil() } else { 1.0 };
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
@@ -182,6 +191,8 @@ impl Around<'_> {
             self.each(index, bounds, 0.0, |wall, offset| {
                 search.test(wall, offset, [start, end], &limits);
             });
+            // An impact that was found may be later than this part, and the next part may have an
+            // earlier one.
             if search.first.is_some_and(|(impact, _)| impact.time <= end) {
                 break;
             }
@@ -256,6 +267,9 @@ impl Around<'_> {
             found.extend(contact.filter(|contact| contact.gap <= extent));
         });
         if found.len() > 1 {
+            // Of contacts in one direction that with the smallest gap remains, of equal ones that
+            // of the first wall. So the order of the lists, which differs with the method, does not
+            // matter.
             found.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.compare(b)));
             let mut kept = 0;
             for at in 0..found.len() {
@@ -291,10 +305,13 @@ impl Search<'_> {
     ) {
         let Self { around, radius, gravity, first, .. } = *self;
         let seen = around.seen_from(wall, offset, self.segment);
+        // Most walls near a disc are not hit, and this test has no root.
         if !around.walls.may_hit(wall, &seen, times, radius, gravity) {
             return;
         }
         let found = around.walls.impact(wall, &seen, radius, gravity, &limits(wall));
+        // Two walls may be hit at the same time. The number decides, and not the order of the
+        // search.
         let is_first = |impact: &Impact| {
             first.is_none_or(|(before, other)| {
                 impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()
@@ -405,6 +422,7 @@ impl Walls {
         stack: &mut Vec<u32>,
         mut act: impl FnMut(u32, Vector),
     ) {
+        // The corners are rounded to float32 below. The margin grows by more than that.
         let margin = margin + MARGIN * size(min, 0.0).max(size(max, 0.0));
         let bounds = Bounds::of(&Shape {
             min: min.map(|v| v as f32),

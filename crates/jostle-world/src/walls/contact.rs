@@ -40,6 +40,8 @@ impl Walls {
         let line = self.numbered(wall);
         let offset = line.offset(position);
         let distance = dot(offset, offset).sqrt();
+        // The normal of a side is that of the line, the normal of an end points from the end to the
+        // centre.
         let is_end = line.part_at(position) != Part::Side;
         let normal: Vector = if distance > 0.0 {
             // Beside the wall, the normal does not depend on the rounding of the distance.
@@ -73,6 +75,8 @@ impl Walls {
     fn is_crossed(&self, wall: u32, from: Vector, to: Vector) -> bool {
         let line = self.numbered(wall);
         let [a, b] = line.ends;
+        // Twice the area of a triangle, with its sign: two points on different sides of a line have
+        // different signs.
         let side = |[p, q]: [Vector; 2], of: Vector| {
             let [u, v] = [vector(|k| q[k] - p[k]), vector(|k| of[k] - p[k])];
             u[0] * v[1] - u[1] * v[0]
@@ -99,20 +103,27 @@ impl Around<'_> {
         };
         let mut position = to;
         let mut left = most;
+        // The deepest overlap first. One push often ends several overlaps, and the limit bounds the
+        // time where walls leave no room.
         for _ in 0..MAX_PUSHES {
             let contact = |of: &(u32, Vector)| self.walls.contact(of.0, seen(of, position), radius);
             let contacts = || walls.iter().map(contact);
             let deepest = least(contacts(), |of| of.gap);
             let Some(deepest) = deepest.filter(|of| of.gap < 0.0 && left > 0.0) else { break };
+            // The gap that would remain after a push out of the deepest wall alone.
             let after = |of: &Contact| of.gap - deepest.gap * dot(of.normal, deepest.normal);
             let is_opposed = |of: &Contact| dot(of.normal, deepest.normal) < OPPOSED;
             let opposed = least(contacts().filter(is_opposed), after).filter(|of| after(of) < 0.0);
             let both = opposed.and_then(|other| out_of_both(&deepest, &other));
             let (direction, length) = both.unwrap_or((deepest.normal, -deepest.gap));
+            // All pushes together are limited, so that a disc deep in a wall comes out over several
+            // steps.
             let by = length.min(left);
             left -= by;
             position = vector(|k| position[k] + by * direction[k]);
         }
+        // A correction must never carry a centre through a wall: the disc would be outside for
+        // good.
         let crosses =
             |of: &(u32, Vector)| self.walls.is_crossed(of.0, seen(of, from), seen(of, position));
         if walls.iter().any(crosses) { from } else { position }
@@ -132,6 +143,7 @@ fn out_of_both(a: &Contact, b: &Contact) -> Option<(Vector, f64)> {
     if sine.abs() < PARALLEL {
         return Some((a.normal, 0.5 * (b.gap - a.gap)));
     }
+    // The displacement x with n₁·x = −g₁ and n₂·x = −g₂, by Cramer's rule.
     let by = [(b.gap * q - a.gap * v) / sine, (a.gap * u - b.gap * p) / sine];
     let length = dot(by, by).sqrt();
     (length > 0.0).then(|| (by.map(|of| of / length), length))

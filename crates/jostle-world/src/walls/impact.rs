@@ -27,6 +27,7 @@ impl Walls {
             Part::End(end) => line.has_end[end],
         };
         for part in parts.into_iter().filter(has) {
+            // A later part counts only if it is hit before the first impact so far.
             let until = first.map_or(limits.until, |impact| impact.time);
             let disc = (segment, radius);
             let found = self.first_while_acting(index, part, disc, gravity, until, |during| {
@@ -36,6 +37,8 @@ impl Walls {
                 match part {
                     Part::Side => {
                         let across = line.across();
+                        // The side on which the centre is decides the direction of the normal,
+                        // because walls are solid from both sides.
                         let distance = dot(vector(|k| position[k] - line.ends[0][k]), across);
                         let side = if distance < 0.0 { -1.0 } else { 1.0 };
                         let speed = side * dot(across, velocity);
@@ -71,6 +74,8 @@ impl Walls {
     ) -> Option<Impact> {
         let mut start = segment.time;
         loop {
+            // Between two changes the same part acts, so one point tells which. The middle is
+            // farthest from the roots at both ends, whose rounding could give the wrong answer.
             let end = self.next_change(index, part, (segment, radius), gravity, start).min(until);
             let middle = segment.position_at(0.5 * (start + end), gravity);
             if self.acts(index, part, middle, radius)
@@ -104,6 +109,8 @@ impl Walls {
         match part {
             Part::Side => of_both(own, [0.0; 2]),
             Part::End(end) => {
+                // An end also begins and ceases to act where the disc comes beside a wall that
+                // covers the end.
                 let others = self.covering(index, end, radius);
                 let others = others.map(|other| of_both(self.line(other.wall), other.offset));
                 others.fold(next(own, end, [0.0; 2]), f64::min)
@@ -122,6 +129,8 @@ impl Line {
         let roots = if pull == 0.0 {
             [-beyond / speed; 2]
         } else {
+            // Both summands have the same sign, and the second root follows from the product of the
+            // roots.
             // beyond + speed t + ½ pull t² = 0, without cancellation.
             let root = (speed * speed - 2.0 * pull * beyond).sqrt();
             let sum = -(speed + if speed < 0.0 { -root } else { root });

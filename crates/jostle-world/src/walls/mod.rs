@@ -178,6 +178,7 @@ impl Saved for Walls {
 
 impl Line {
     fn of(wall: &Wall, torus_offset: Vector) -> Self {
+        // With residuals, and where the wall is on the torus.
         let ends = wall.exact_ends().map(|end| vector(|k| end[k] + torus_offset[k]));
         let offset = vector(|k| ends[1][k] - ends[0][k]);
         let length = dot(offset, offset).sqrt();
@@ -256,6 +257,7 @@ impl Walls {
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
         let period = &self.period();
         let Self { all, images, lines, segments, indices, tree, .. } = self;
+        // The first rows are the walls themselves, in their order; images follow.
         images.clear();
         images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
         let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
@@ -284,6 +286,7 @@ impl Walls {
             LineSegment::new(ends, line.least_radius, line.displacement_length)
         }));
         indices.resize(all.len(), 0);
+        // Images have entries in `lines`, too. The index of a wall is that of the wall itself.
         let own = (0..).zip(tree.rows()).filter(|&(_, &row)| (row as usize) < all.len());
         own.for_each(|(index, &row)| indices[row as usize] = index);
         self.find_covering();
@@ -385,6 +388,8 @@ impl Walls {
                         }
                     }
                 });
+                // The nearest first: the search for a disc ends at the first that is too far for
+                // its radius.
                 covering[first..].sort_unstable_by(|a, b| {
                     let by_wall = a.image.wall.cmp(&b.image.wall);
                     a.distance.total_cmp(&b.distance).then(by_wall)
@@ -393,6 +398,8 @@ impl Walls {
             }
         }
         (self.starts, self.covering) = (starts, covering);
+        // Of several ends at one point the first acts. Otherwise one corner would give several
+        // impulses.
         for (index, end) in shared {
             self.lines[self.indices[index as usize] as usize].has_end[end] = false;
         }
@@ -428,6 +435,7 @@ fn add_images(
     bounds: &mut Vec<[f32; 4]>,
 ) {
     for (wall, index) in (0..).zip(0..all.len()) {
+        // Discs begin a step on the torus, so the wall is moved there, too.
         let torus_offset = torus_offset(all[index].exact_ends(), period);
         let moved = |[a, b, c, d]: [f32; 4], by: Vector| {
             let add = |v: f32, by: f64| (f64::from(v) + by) as f32;
@@ -435,6 +443,7 @@ fn add_images(
         };
         let own = moved(bounds[index], torus_offset);
         bounds[index] = own;
+        // The swept box decides which images are near, because the wall may move towards them.
         let [a, b, c, d] = own.map(f64::from);
         each_image([[a, b], [c, d]], period, |offset| {
             images.push(Image { wall, offset });

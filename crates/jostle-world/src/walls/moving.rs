@@ -32,6 +32,7 @@ impl Wall {
     /// The bounding box of its positions in a step of `dt` seconds.
     pub(super) fn swept_bounds(&self, dt: f64) -> [f32; 4] {
         let ([a, b], by) = (self.ends, self.displacement(dt).map(|v| v as f32));
+        // Rounding is covered by the radius that the shape of the wall has in the tree.
         let low = |k: usize| a[k].min(b[k]) + by[k].min(0.0);
         let high = |k: usize| a[k].max(b[k]) + by[k].max(0.0);
         [low(0), low(1), high(0), high(1)]
@@ -39,6 +40,7 @@ impl Wall {
 
     /// Moves it for `dt` seconds.
     fn advance(&mut self, dt: f64) {
+        // The residuals keep what float32 cannot hold, so slow walls move far from the origin, too.
         let (ends, by) = (self.exact_ends(), self.displacement(dt));
         for (end, exact) in ends.into_iter().enumerate() {
             let new = vector(|k| exact[k] + by[k]);
@@ -71,6 +73,7 @@ impl Walls {
     /// Begins a step of `dt` seconds.
     pub fn begin_step(&mut self, settings: Settings, dt: f64) -> Result<()> {
         self.any_moves = self.any_moves && self.all.iter().any(Wall::moves);
+        // Walls that stand still keep the tree of `Walls::new`.
         if self.any_moves { self.build(settings, dt) } else { Ok(()) }
     }
 
@@ -86,6 +89,7 @@ impl Walls {
         for (wall, &index) in self.all.iter_mut().zip(&self.indices) {
             if wall.moves() {
                 wall.advance(dt);
+                // Which of equal ends acts was decided with all walls together.
                 let line = &mut self.lines[index as usize];
                 *line = Line { has_end: line.has_end, ..Line::of(wall, line.torus_offset) };
             }
@@ -94,6 +98,7 @@ impl Walls {
 
     /// Restores the walls before a step.
     pub fn restore(&mut self, all: Vec<Wall>) {
+        // What follows from the walls is computed again; with no time they do not move.
         self.all = all;
         self.any_moves = self.all.iter().any(Wall::moves);
         self.are_elastic = are_elastic(&self.all);
@@ -108,6 +113,7 @@ impl Walls {
         let most = f64::from(FARTHEST);
         let is_far = |wall: &Wall| {
             let by = wall.displacement(dt);
+            // The largest coordinates are at the end of the step, because the velocity is constant.
             let mut ends = wall.exact_ends().into_iter();
             ends.any(|end| (0..2).any(|k| (end[k] + by[k]).abs() > most || by[k].abs() > most))
         };
@@ -144,6 +150,8 @@ impl Clock {
         if !walls.any_moves {
             return [0.0; 2];
         }
+        // From the beginning of the step, and not from window to window: no error adds up, and
+        // windows do not change the result.
         let seconds = self.elapsed + self.rate * time;
         walls.get(wall).map_or([0.0; 2], |of| of.displacement(seconds))
     }

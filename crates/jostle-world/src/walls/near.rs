@@ -67,6 +67,7 @@ impl Near {
                 + line.displacement_length;
             distance <= near + f64::from(usual)
         };
+        // The memory of the last list is used again.
         let Self { join, found, .. } = self;
         join.keep(std::mem::take(found));
         let pairs = match method {
@@ -85,9 +86,13 @@ impl Near {
                 other => other,
             })?
             .pairs;
+        // Brute force finds boxes that overlap; the distance from the segment leaves out most of
+        // these.
         if method == Method::Brute {
             found.retain(|&pair| is_near(pair));
         }
+        // Walls were searched in larger bounds than pairs, so discs may go farther before a new
+        // search.
         self.max_displacements.clear();
         self.max_displacements.extend(max_displacements.iter().map(|most| most + usual));
         self.free.clear();
@@ -102,6 +107,7 @@ impl Near {
         let Self { starts, walls: near, offsets, free, found, sorted, .. } = self;
         starts.resize(bounds.len() + 1, 0);
         sorted.resize(found.len(), [0; 2]);
+        // Counting sort: walls of a disc lie side by side in memory, and its cost is linear.
         let disc = |pair: &&[u32; 2]| pair[1] as usize;
         sorting::counting_sort(found.iter(), disc, |pair| *pair, &mut starts[1..], sorted);
         offsets.clear();
@@ -119,6 +125,7 @@ impl Near {
             let radius =
                 line.contact_distance(f64::from(radius[at]) - f64::from(max_displacements[at]));
             let distance = line.distance(less(center, walls.offset_at(wall)));
+            // The wall may come as near as it moves in the step, wherever the disc goes.
             let left = distance - radius * (1.0 + MARGIN) - line.displacement_length;
             free[at] = free[at].min(left as f32);
         }

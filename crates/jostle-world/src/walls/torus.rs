@@ -57,6 +57,8 @@ pub(super) fn each_image(
     period: &Period<f64>,
     mut act: impl FnMut(Vector),
 ) {
+    // Moved by k sides, the box [min, max] reaches the torus with its margin if −margin ≤ max + k
+    // side and min + k side ≤ side + margin. These are the first and the last k.
     let (sides, margin) = (period.sides(), NEAR * period.shortest());
     let first = [0, 1].map(|k| ((-margin - max[k]) / sides[k]).ceil() as i32);
     let last = [0, 1].map(|k| ((sides[k] + margin - min[k]) / sides[k]).floor() as i32);
@@ -76,6 +78,8 @@ pub(super) fn each_tile(
     sides: Vector,
     mut act: impl FnMut([Vector; 2], Vector),
 ) {
+    // A box far from the torus is cut where copies of the torus meet, and each part is moved to the
+    // torus. Then the tree, which has walls near the torus only, is enough.
     let [first, last] = [min, max].map(|at| [0, 1].map(|k| (at[k] / sides[k]).floor() as i64));
     for y in first[1]..=last[1] {
         for x in first[0]..=last[0] {
@@ -111,6 +115,8 @@ impl Walls {
         let tile = |k: usize| ((position[k] - 0.5 * (a[k] + b[k])) / sides[k]).round();
         let offset = |image: &Turns| vector(|k| (tile(k) + f64::from(image[k])) * sides[k]);
         let all = NINE_IMAGES.iter().map(|image| own(offset(image)));
+        // Distances within rounding are equal. A disc in the gap between two images could otherwise
+        // get the normal of the one that it leaves.
         let least = all.clone().map(|of| of.gap).fold(f64::INFINITY, f64::min);
         let most = least + ROUNDING * size(position, radius);
         let speed = |of: &Contact| dot(of.normal, velocity);

@@ -209,8 +209,7 @@ impl World {
             if self.settings.on_touch == OnTouch::Merge && self.halo.protocol().must_repeat(self)? {
                 return Ok(plan);
             }
-            // From here on the columns change; until now the attempt has worked on copies of the
-            // motions.
+            // From here on positions and velocities in the columns change. Before, only `motions` did.
             self.walls.end_step(f64::from(dt));
             self.collect_touches(plan.threads);
             self.store_motions(plan.threads)?;

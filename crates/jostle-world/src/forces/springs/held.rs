@@ -150,6 +150,7 @@ impl Surroundings<'_> {
         let Kick { before, after, .. } = self.kicks[index as usize];
         let Flow { gravity, duration, .. } = self.flow;
         let is_pulled = self.particles.movable[index as usize];
+        // In flight the velocity changes by gravity, before and after it by the kicks.
         let change = |k: usize| before[k] + gravity[k] * duration + after[k];
         let change = [0, 1].map(|k| if is_pulled { change(k) } else { 0.0 });
         [self.motions.velocity(index).map(f64::from), change]
@@ -168,6 +169,7 @@ impl Surroundings<'_> {
             [a, b].map(|index| self.velocities(index)),
         );
         let relative = [0, 1].map(|which| [0, 1].map(|k| w[which][k] - v[which][k]));
+        // The relative speed counts, because two bodies that fall together do not meet.
         let far = (1.0 + NEAR) * contact_distance + self.reach(relative);
         let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
         x * x + y * y <= far * far
@@ -179,6 +181,7 @@ impl Surroundings<'_> {
         let radius = self.particles.radii[index as usize];
         let far = self.reach(self.velocities(index)) + NEAR * radius;
         let container = self.walls.container;
+        // A cheap test leaves out particles far from all sides.
         if !container.is_far(position.map(f64::from), f64::from(radius), [f64::from(far); 2]) {
             let at = self.motions.exact(index);
             let mut sides = container.sides();
@@ -212,6 +215,8 @@ impl SpringSolver {
     ) {
         let h = of.flow.seconds;
         let Self { bodies, nodes, held, .. } = self;
+        // What is held is decided anew in each sub-step: a body in free flight keeps the energy of
+        // its oscillations, and one that is held loses it.
         bodies.iter_mut().for_each(|body| body.is_held = false);
         held.any = false;
         if !bodies.iter().any(|body| body.is_stiff(h)) {
@@ -220,6 +225,8 @@ impl SpringSolver {
         held.body_of.clear();
         held.body_of.resize(of.particles.len(), NONE);
         for (number, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.is_stiff(h)) {
+            // An immovable particle may be an end of springs of several bodies, and belongs to
+            // none.
             let own = nodes[body.nodes.clone()].iter().filter(|node| node.inverse_mass > 0.0);
             for node in own {
                 held.body_of[node.index as usize] = number as u32;
@@ -228,6 +235,7 @@ impl SpringSolver {
         }
         each_pair(&mut |pair, image, contact_distance| {
             let names = pair.map(|index| held.body_of[index as usize]);
+            // This pair cannot hold any further body.
             if names.iter().all(|&name| name == NONE || bodies[name as usize].is_held) {
                 return;
             }
@@ -267,7 +275,11 @@ impl SpringSolver {
             for link in &links[body.links.clone()] {
                 let [a, b] = link.nodes.map(|node| nodes[node as usize]);
                 let (along, length) = link.direction(&a, &b, container);
+                // J = h k s + (h² k + h c) w, with the rate w at the end of the sub-step. Divided
+                // by the gain h² k + h c this is w plus a known rate, and one over the gain is the
+                // softness of the tie.
                 let gain = flow.seconds * (link.stiffness * flow.duration + link.damping);
+                // A spring without stiffness and damping, or without a direction, has no tension.
                 if gain == 0.0 || along == [0.0; 2] {
                     continue;
                 }
@@ -281,6 +293,8 @@ impl SpringSolver {
                     inverse: 1.0 / (masses[0] + masses[1] + 1.0 / gain),
                     ..Tie::default()
                 };
+                // The first guess treats each spring as if it were alone. It only serves to find
+                // out which contacts rest.
                 let impulse = (rate(along, &a, &b) + tie.rate) * tie.inverse;
                 tie.push(ends, impulse);
                 ties.push(tie);
@@ -298,8 +312,11 @@ impl SpringSolver {
     /// a wall has one particle twice.
     pub fn add_pushes(&mut self, pushes: impl Iterator<Item = (Place, [u32; 2], [f32; 2])>) {
         let Scratch { ends, end_of, ties, groups, systems, .. } = &mut self.held;
+        // Ends from here on belong to contacts only.
         let springs = ends.len() as u32;
         for (place, pair, masses) in pushes {
+            // Neither particle is an end of a held spring: `NONE` is above all numbers. The
+            // contacts decide such a pair by themselves.
             if pair.iter().all(|&index| end_of[index as usize] >= springs) {
                 continue;
             }
@@ -307,6 +324,7 @@ impl SpringSolver {
             ties.push(Tie { ends: [0, 1].map(of), place: Some(place), ..Tie::default() });
         }
         groups.reset(ends.len());
+        // An immovable particle transmits nothing, so it joins no systems.
         let moves = |end: u32| ends[end as usize].inverse_mass > 0.0;
         for &Tie { ends: [a, b], .. } in &*ties {
             if moves(a) && moves(b) {
@@ -317,6 +335,7 @@ impl SpringSolver {
             let [a, b] = tie.ends;
             tie.system = groups.root(if moves(a) { a } else { b });
         }
+        // The sort is stable, so the order within a system follows from the state.
         ties.sort_by_key(|tie| tie.system);
         systems.clear();
         let mut start = 0;
@@ -339,6 +358,7 @@ impl SpringSolver {
         for end in ends.iter_mut() {
             end.velocity = velocities.get(end.index).map(f64::from);
         }
+        // Systems share no moving particle, so each is solved by itself.
         for range in &*systems {
             let ties = &mut ties[range.clone()];
             for tie in ties.iter_mut() {
@@ -398,6 +418,8 @@ impl Tie {
         let Push { normal, least_speed, impulse } = pushes.get(place);
         let [a, b] = self.inverse_masses(ends);
         (self.impulse, self.inverse, self.along) = (0.0, 0.0, [0.0; 2]);
+        // A contact without impulse stays out of the system, in which it would pull. The turn of
+        // the contacts before has found which push.
         if impulse > 0.0 {
             self.along = normal.map(f64::from);
             self.softness = SOFTNESS * (a + b);
@@ -409,10 +431,13 @@ impl Tie {
     /// Ends a turn of a contact. It does not pull.
     fn write(&self, pushes: &mut impl Pushes, ends: &mut [End]) {
         let Some(place) = self.place.filter(|_| self.inverse > 0.0) else { return };
+        // Impulses of walls are kept as changes of velocity.
         let unit = match place {
             Place::Pair { .. } => 1.0,
             Place::Wall { .. } => ends[self.ends[1] as usize].inverse_mass,
         };
+        // A contact never pulls. What is cut off is taken back from the velocities, so that these
+        // are always those of the impulses.
         let before = f64::from(pushes.get(place).impulse);
         let after = (before - self.impulse * unit).max(0.0) as f32;
         let excess = (f64::from(after) - before) / unit + self.impulse;
@@ -440,6 +465,8 @@ impl System<'_> {
             tie.impulse = 0.0;
             tie.search = if tie.place.is_none() { tie.rate / tie.softness } else { 0.0 };
         }
+        // An exact search along one line: the scalar product of direction and residual over that of
+        // the direction and its image, between none of the tensions at rest and all of them.
         self.find_residuals();
         let wanted: f64 = self.ties.iter().map(|tie| tie.search * tie.residual).sum();
         let curvature = self.find_images();
@@ -450,10 +477,14 @@ impl System<'_> {
 
     /// Iterates from the present tensions and velocities.
     fn iterate(&mut self) {
+        // Conjugate gradients, preconditioned by the diagonal: `inverse` is one over it. Contacts
+        // that do not push have 0 there, so they stay out of all sums.
         self.find_residuals();
         let error = |ties: &[Tie]| -> f64 {
             ties.iter().map(|tie| tie.residual * tie.residual * tie.inverse).sum()
         };
+        // The error is relative to the tensions. The impulse of a contact is its change in this
+        // turn, which says nothing of its size.
         let size = |tie: &Tie| match tie.place {
             None => tie.impulse * tie.impulse / tie.inverse,
             Some(_) => 0.0,
@@ -466,11 +497,14 @@ impl System<'_> {
                 return;
             }
             let curvature = self.find_images();
+            // By rounding it may be 0 or less, by an overflow infinite. The present tensions are
+            // right to that rounding.
             if !(curvature > 0.0 && curvature < f64::INFINITY) {
                 return;
             }
             self.advance(before / curvature);
             let now = error(self.ties);
+            // The formula of Fletcher and Reeves.
             for tie in self.ties.iter_mut() {
                 tie.search = tie.residual * tie.inverse + now / before * tie.search;
             }
@@ -488,6 +522,7 @@ impl System<'_> {
 
     /// The effect of the tensions `search` on all rates; returns the scalar product of both.
     fn find_images(&mut self) -> f64 {
+        // Only the ends of this system are cleared, so that a turn costs as much as it has ties.
         for tie in &*self.ties {
             tie.ends.into_iter().for_each(|end| self.ends[end as usize].change = [0.0; 2]);
         }

@@ -130,6 +130,7 @@ impl Springs {
 
     /// Removes springs whose stretch exceeds their maximum.
     pub fn break_stretched(&mut self, bodies: &Bodies<'_>) {
+        // A sleeping end has no index, and its spring does not stretch.
         self.0.retain(|spring| {
             spring.max_stretch == f32::INFINITY
                 || spring.pair.iter().any(|&row| bodies.indices[row as usize] == ASLEEP)
@@ -176,12 +177,15 @@ pub fn max_displacements<'a>(
             (x * x + y * y).sqrt()
         };
         let masses = indices.map(|index| f64::from(bodies.masses[index]));
+        // The stretch times the angular frequency is the largest speed that the spring can give to
+        // its lighter end.
         let stretch = (length(spring, bodies) - f64::from(spring.length)).abs();
         let swing = stretch * (f64::from(spring.stiffness) / masses[0].min(masses[1])).sqrt();
         let fastest = speed(indices[0]).max(speed(indices[1])) + swing;
         let of_all = &mut max_displacements[islands.root(indices[0] as u32) as usize];
         *of_all = of_all.max((fastest * f64::from(dt)) as f32);
     }
+    // The largest of its island, see above: an impact travels along springs within one step.
     for index in springs.flat_map(indices) {
         max_displacements[index] = max_displacements[islands.root(index as u32) as usize];
     }
@@ -245,6 +249,7 @@ impl Body {
     /// The number of parts of a sub-step of `h` seconds.
     fn parts(&self, h: f64) -> f64 {
         let [stiffness, damping] = self.most;
+        // ω² is at most twice the largest sum of stiffness over mass (Gershgorin's theorem).
         let by_phase = (2.0 * stiffness).sqrt() * h / PHASE;
         by_phase.max(damping * h / MAX_DAMPING).ceil().clamp(1.0, MAX_PARTS)
     }
@@ -318,8 +323,11 @@ impl SpringSolver {
                 damping: f64::from(spring.damping),
             }
         }));
+        // A spring between two immovable particles does nothing.
         links.retain(|link| link.nodes.iter().any(|&index| inverse_mass(index) > 0.0));
         sets.reset(len);
+        // An immovable particle transmits nothing, so it does not join bodies: each has its own
+        // parts.
         for Link { nodes: [a, b], .. } in &*links {
             if inverse_mass(*a) > 0.0 && inverse_mass(*b) > 0.0 {
                 sets.join(*a, *b);
@@ -329,6 +337,8 @@ impl SpringSolver {
             let [a, b] = link.nodes;
             link.body = sets.root(if inverse_mass(a) > 0.0 { a } else { b });
         }
+        // Two springs may connect the same pair, so their numbers decide the rest of the order.
+        // Sums over springs then do not depend on the order in which the caller has given them.
         links.sort_unstable_by(|a, b| {
             let numbers = |link: &Link| [link.length, link.stiffness, link.damping];
             let pairs = numbers(a).into_iter().zip(numbers(b));
@@ -342,6 +352,7 @@ impl SpringSolver {
     fn list_nodes(&mut self, inverse_mass: &impl Fn(u32) -> f64) {
         let Self { links, nodes, .. } = self;
         nodes.clear();
+        // An immovable particle is a node of each body that it holds.
         let ends = links.iter().flat_map(|link| link.nodes.map(|index| (link.body, index)));
         nodes.extend(ends.map(|(body, index)| Node {
             body,
@@ -371,6 +382,7 @@ impl SpringSolver {
         let Self { bodies, links, nodes, .. } = self;
         bodies.clear();
         let (mut node, mut link) = (0, 0);
+        // Both lists are sorted by bodies, and each body has a spring. So their runs correspond.
         let runs = nodes.chunk_by(|a, b| a.body == b.body);
         for (own, own_links) in runs.zip(links.chunk_by(|a, b| a.body == b.body)) {
             let most = |of: fn(&Node) -> f64| own.iter().map(of).fold(0.0, f64::max);
@@ -408,6 +420,7 @@ fn integrate(
     kicks: &mut [Kick],
     step: f64,
 ) {
+    // Parts of equal length keep the method symplectic.
     let part = step / parts;
     for node in nodes.iter_mut() {
         node.position = motions.position(node.index).map(f64::from);
@@ -421,9 +434,12 @@ fn integrate(
     let factor = |max: f64, own: f64| if own > max { max / own } else { 1.0 };
     for _ in 0..parts as usize {
         nodes.iter_mut().for_each(|node| node.drift(0.5 * part));
+        // Changes are collected, and velocities change after all springs. So each spring sees the
+        // state in the middle of the part, and the order of springs matters only for rounding.
         for link in links {
             let numbers = link.nodes.map(|node| node as usize - base);
             let [a, b] = numbers.map(|node| nodes[node]);
+            // The same factor for both ends, so that momentum is conserved.
             let stiffness =
                 factor(max_stiffness, a.stiffness).min(factor(max_stiffness, b.stiffness));
             let damping = factor(max_damping, a.damping).min(factor(max_damping, b.damping));
@@ -438,6 +454,9 @@ fn integrate(
             node.drift(0.5 * part);
         }
     }
+    // A flight is straight and has one velocity. With the mean over the parts it ends where they
+    // end; afterwards the particle gets the velocity of the last part. Contacts in between see the
+    // mean.
     for node in nodes.iter().filter(|node| node.inverse_mass > 0.0) {
         let motion = motions.get(node.index);
         let kick = &mut kicks[node.index as usize];
