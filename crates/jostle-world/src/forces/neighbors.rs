@@ -254,8 +254,6 @@ impl Search<'_> {
     /// bodies does, and rounding is monotone, so it needs no tolerance.
     #[inline]
     fn is_near(&self, group: u32, node: u32, image: [f32; 2]) -> bool {
-        // Float32 and without tolerance: for monotone rounding, a bound of the differences stays a
-        // bound.
         let [target, source] = [group, node].map(|index| &self.tree.bounds()[index as usize]);
         let [x, y] = [0, 1].map(|k| {
             let above = (source.min[k] - target.max[k]) + image[k];

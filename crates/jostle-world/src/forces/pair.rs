@@ -181,7 +181,7 @@ pub(super) fn check_cutoff(cutoff: f32) -> Result<()> {
 fn segments_of(line: &[f32]) -> impl Iterator<Item = AtomicU64> {
     line.windows(2).map(|ends| {
         // Both numbers of a segment are in one word, so one load for each lane fetches them. The
-        // word is atomic because the instruction that gathers takes atomic words.
+        // word is atomic because `gather` takes atomic words.
         let [low, change] = [ends[0], ends[1] - ends[0]].map(|value| u64::from(value.to_bits()));
         AtomicU64::new(low | change << 32)
     })

@@ -42,8 +42,8 @@ pub fn cuts(ranks: &[(Vec<u64>, f64)]) -> Vec<u64> {
     let total: f64 = all.iter().map(|(_, work)| work).sum();
     let (mut cuts, mut done) = (Vec::new(), 0.0);
     for &(key, work) in &all {
-        // A sample belongs to the domain in which the middle of its work lies. So no domain gets
-        // more than its share by more than half a sample.
+        // A sample belongs to the domain in which the middle of its work lies. So a cut is wrong by
+        // half a sample at most, as far as samples tell where the work is.
         while cuts.len() + 1 < ranks.len()
             && done + 0.5 * work > total * (cuts.len() + 1) as f64 / ranks.len() as f64
         {

@@ -31,6 +31,7 @@ const FEWEST_STEPS: u64 = 16;
 
 /// Domains are chosen anew if the rank with most work has more than this times the mean, or if there
 /// are more than this times as many ghosts as after the last time.
+/// They trade the cost of migration against that of waiting for the slowest rank.
 const MAX_IMBALANCE: f64 = 1.15;
 const MAX_GHOSTS: f64 = 1.4;
 
@@ -174,8 +175,8 @@ impl Domain {
         if self.steps == self.chosen || self.rebalance_every.is_some() {
             return;
         }
-        // After a choice of domains the number of ghosts grows while particles mix. The most that
-        // the first steps have is the usual number.
+        // The most ghosts that the first steps after a choice of domains have is the usual number,
+        // with which later steps are compared.
         if self.steps < self.chosen + FEWEST_STEPS {
             self.usual_ghosts = self.usual_ghosts.max(ghosts);
             return;

@@ -16,6 +16,8 @@ use jostle_base::error::Result;
 use jostle_base::parallel::locked;
 
 /// Width of the margin around each particle, in mean radii.
+/// A wider margin sends more ghosts, a narrower one repeats more steps;
+/// [`OwnParticles`](super::OwnParticles) counts both.
 const MARGIN: f64 = 3.0;
 
 /// With this factor of the margin, or a larger one, each rank gets all particles. It doubles with each

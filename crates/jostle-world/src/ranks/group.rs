@@ -107,8 +107,8 @@ impl Group {
 
     /// Replaces numbers, fifteen at most, by the largest of all ranks.
     pub fn largest(&mut self, numbers: &mut [f64]) -> Result<()> {
-        // Each rank computes the largest of the gathered numbers itself. A reduction by the library
-        // could use another order; for sums of floating-point numbers that would change bits.
+        // Each rank computes the result itself from the numbers in the order of ranks, so all have
+        // the same bits.
         let all = self.gather_some(numbers.iter().map(|number| number.to_bits()))?;
         for (k, number) in numbers.iter_mut().enumerate() {
             *number = all.iter().map(|of| f64::from_bits(of[k])).fold(*number, f64::max);

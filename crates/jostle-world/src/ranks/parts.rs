@@ -56,7 +56,8 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
     let settings = from.get_count()?;
     let settings = World::restore(&from.get_all::<u8>(settings)?)?;
     let table: Vec<[u64; 2]> = from.get_all(next.div_ceil(CHUNK) as usize)?;
-    // Chunks have their own checksums, because several ranks write them at the same time.
+    // Each rank writes whole chunks with their own checksums. So the bytes of the file do not
+    // depend on the number of ranks.
     let mut parts = [const { Vec::new() }; SIZES.len()];
     for [size, sum] in table {
         let chunk: Vec<u8> = from.get_all(size as usize)?;

@@ -151,6 +151,7 @@ impl Protocol for Ranks {
 
     fn must_repeat(&self, world: &mut World) -> Result<bool> {
         let agreement = compare_with_other_ranks(world)?;
+        // `end` must not compare again: the other ranks make no further call.
         world.scratch.agreement = Some(agreement);
         Ok(agreement != Agreement::Same)
     }
@@ -198,8 +199,7 @@ impl Protocol for Ranks {
             let rule = "the ranks do not agree on the step; please report it";
             return Err(Error::of("dt", dt, rule));
         }
-        // Doubling reaches all particles after at most 30 attempts, and costs little more than the
-        // last one.
+        // Doubling reaches all particles after at most 30 attempts, so the loop of attempts ends.
         domain.widened *= 2.0;
         domain.repeats += 1;
         Ok(())
@@ -261,6 +261,8 @@ pub(super) fn digest_shared(world: &mut World) {
         let motion = scratch.motions.get(index);
         let [x, y] = exact(motion.position, motion.residual);
         let [u, v] = motion.velocity.map(f64::from);
+        // Motion and history together: two histories may end at the same place, and a neighbour may
+        // have met only one of them.
         let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
         hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
         if !scratch.spins.is_empty() {

@@ -19,8 +19,7 @@ pub fn put_record(to: &mut Vec<u8>, id: Id, all: &Particles, row: usize) {
     to.resize(start + RECORD, 0);
     let mut rest = &mut to[start..];
     put(&mut rest, id as u64);
-    // One pass for each width: fields of eight bytes first, so that each number is aligned in a
-    // record.
+    // Fields of one width follow each other, so no bytes between numbers are needed to align them.
     for width in WIDTHS {
         all.visit_row(row, &mut Put { rest: &mut rest, width });
     }

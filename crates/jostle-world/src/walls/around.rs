@@ -88,11 +88,11 @@ impl Around<'_> {
         extent: f32,
         left: Option<u32>,
     ) -> [bool; 2] {
-        // The list is complete only within the bounds in which it was searched.
         let (at, near) = (index as usize, self.near);
         let ([x, y], [p, q]) = (path.position, self.particles.positions[at]);
         let square = (x - p) * (x - p) + (y - q) * (y - q);
         let clearance = near.max_displacements[at] - far;
+        // The list of walls is complete only within the bounds in which it was searched.
         if clearance < 0.0 || square > clearance * clearance {
             return [true; 2];
         }
@@ -305,7 +305,7 @@ impl Search<'_> {
     ) {
         let Self { around, radius, gravity, first, .. } = *self;
         let seen = around.seen_from(wall, offset, self.segment);
-        // Most walls near a disc are not hit, and this test has no root.
+        // A cheap test first, because most walls near a disc are not hit.
         if !around.walls.may_hit(wall, &seen, times, radius, gravity) {
             return;
         }

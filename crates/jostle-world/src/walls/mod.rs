@@ -372,6 +372,8 @@ impl Walls {
             for (end, &point) in line.ends.iter().enumerate() {
                 let first = covering.len();
                 let rounding = ROUNDING * size(point, 0.0);
+                // The search takes the largest distance that may count. The exact limit also
+                // depends on the other wall.
                 let farthest = rounding.max(LONGEST_JOINT * line.length);
                 self.each_near([point; 2], farthest, &mut stack, |other, offset| {
                     let (there, seen) = (self.line(other), less(point, offset));
@@ -379,6 +381,9 @@ impl Walls {
                     let distance = there.distance(seen);
                     let most = rounding.max(LONGEST_JOINT * line.length.min(there.length));
                     if !is_itself && distance <= most {
+                        // Within rounding an end lies on the wall for discs of any size. Other
+                        // distances are kept, because they depend on the radius, and are compared
+                        // in `covering`.
                         let distance = if distance <= rounding { 0.0 } else { distance };
                         covering.push(Covering { image: Image { wall: other, offset }, distance });
                         // On a torus the ends of one wall may be at the same point.

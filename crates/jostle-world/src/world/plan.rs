@@ -11,6 +11,8 @@ use super::{DEFAULT_SUBSTEPS, World};
 use jostle_base::parallel;
 
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
+/// It trades the time of waiting for other threads against their work: a stage on two threads costs
+/// about two microseconds more (docs/benchmarks-notes.md, piles on two threads).
 const WORTH_SHARING: usize = 5000;
 
 /// Fewer particles times sub-steps than this are not worth waking other threads for. Where contacts

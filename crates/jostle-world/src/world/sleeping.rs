@@ -26,6 +26,8 @@ use jostle_base::plain;
 use jostle_base::table::{Table, dense};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
+/// It trades how soon islands fall asleep against what stops: a disc of radius 1 m on the earth
+/// that slides without friction at 0.03 m/s (docs/physics.md).
 const SLOW: f64 = 0.01;
 
 /// Limit of the speed at the end of a step, in the same units.

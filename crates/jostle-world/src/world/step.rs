@@ -20,6 +20,8 @@ pub(crate) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Share of the usual displacement by which the bounds in which walls are searched are larger than
 /// those for particles.
+/// Without it many discs that had become faster left the bounds, and for each the tree of walls was
+/// searched (docs/benchmarks-notes.md, walls).
 const SPARE: f32 = 0.3;
 
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.

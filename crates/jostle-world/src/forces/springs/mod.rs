@@ -31,6 +31,7 @@ use jostle_base::ids::Id;
 const MAX_PARTS: f64 = 32.0;
 
 /// Phase of the fastest oscillation in one part, in radians: the error of its period is 0.2 %.
+/// A smaller phase needs more parts of each sub-step.
 const PHASE: f64 = 0.2;
 
 /// Maximum phase in one part, which is still stable.
@@ -420,7 +421,6 @@ fn integrate(
     kicks: &mut [Kick],
     step: f64,
 ) {
-    // Parts of equal length keep the method symplectic.
     let part = step / parts;
     for node in nodes.iter_mut() {
         node.position = motions.position(node.index).map(f64::from);
