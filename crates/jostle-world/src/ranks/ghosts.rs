@@ -199,8 +199,8 @@ fn margin_and_extent(world: &mut World, dt: f32) -> Result<(f64, f64)> {
     let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
     domain.extent = (!is_torus).then_some(area);
     let extent = (right + left).max(bottom + top).max(0.0);
-    // Half of the cutoff for each of two circles: they overlap if the particles are neighbours.
     let usual = f64::from(scratch.usual_speed) * f64::from(dt);
+    // Half of the cutoff for each of two circles: they overlap if the particles are neighbours.
     let of_forces = 0.5 * f64::from(world.influences.largest_cutoff());
     let margin = (MARGIN * radius + usual) * domain.widened + of_forces;
     Ok((if domain.widened < ALL { margin } else { margin.max(extent) }, extent))

@@ -27,8 +27,8 @@ const USUAL: f32 = 1.7;
 
 /// Collisions that the fastest particle on a torus may have until the horizon if it meets the
 /// others at random places.
-/// It trades the cost of a renewal against that of long chains of circles. `python
-/// tests/library/physics/test_exact_step.py` prints the times of long steps.
+/// It trades the cost of a renewal against that of bounds which overlap many others. The program
+/// tests/library/physics/test_exact_step.py prints the times of long steps.
 const FEW_COLLISIONS: f64 = 16.0;
 
 /// Parts into which the horizon divides a step at most because of few fast particles.

@@ -308,8 +308,8 @@ impl World {
             let both = [&*before, &*now].map(|drift| drift.map(relative));
             squares.push(both.map(|[x, y, turn]| (x * x + y * y).max(turn * turn) as f32));
             // A slow particle changes by 2 at most. Others keep their island awake in any case, so
-            // the limit cuts nothing that counts, and the sums stay far from the limits of their
-            // type.
+            // the limit cuts nothing that counts. With it the sum over 2³¹ particles is at most
+            // 2⁶², and fits into its type.
             let change = |k: usize| (both[1][k] - both[0][k]).clamp(-2.0, 2.0) / UNIT;
             changes.push([0, 1, 2].map(|k| change(k).round() as i64));
             (*before, *now) = (*now, [0.0; 3]);
