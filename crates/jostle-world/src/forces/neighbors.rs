@@ -134,6 +134,10 @@ impl Scratch {
         let mut sums = std::mem::take(&mut self.sums);
         sums.clear();
         sums.resize(self.sorted.tree.len(), [0.0; 2]);
+        // The order of a sum follows from the state alone: blocks in Morton order, the images of a
+        // block in the order of the nine, the bodies in a block. Blocks that are tested in vain
+        // leave no trace in it, because neighbours are packed first. So the tree and brute force
+        // give the same bits.
         let search = self.search(bodies, cutoff, count);
         let tasks = self.sorted.tasks(TASK_GROUPS, &mut sums);
         let (threads, stop) = (threads(bodies), Stop::current());

@@ -36,6 +36,10 @@ pub(super) fn exchange_ghosts(world: &mut World, dt: f32) -> Result<bool> {
     if world.halo.is_alone() {
         return Ok(true);
     }
+    // A circle is announced before the step is computed, so it is a guess of how far a particle
+    // gets. If it is too small, other ranks may lack the particle as a ghost, and the step is
+    // repeated. The guess decides how much is sent and how often steps are repeated, and never the
+    // result.
     let (margin, extent) = margin_and_extent(world, dt)?;
     let fall = distance_of_fall(world.settings.gravity, dt);
     let Some(domain) = domain_of(world) else { return Ok(true) };

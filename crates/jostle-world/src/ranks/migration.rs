@@ -115,6 +115,9 @@ pub(super) fn append_records(world: &mut World, bytes: &[Vec<u8>], are_own: bool
 pub(super) fn move_to_domains(world: &mut World) -> Result<()> {
     let is_due = domain_of(world).is_some_and(|domain| domain.is_due());
     if is_due {
+        // Particles change their rank only here, every few steps. In between they may leave the
+        // domain: a rank computes its own particles wherever they are, and the halo finds their
+        // neighbours. So the domains decide how much is sent, and never the result.
         rebalance(world)?;
     }
     sum_up(world)?;

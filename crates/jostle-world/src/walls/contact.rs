@@ -16,6 +16,7 @@ const MAX_PUSHES: usize = 8;
 /// Two normals whose cosine is below this are those of walls at an acute angle. A disc between them
 /// is pushed out of both at once, because alternating pushes out of one wall after the other
 /// converge very slowly.
+/// It is the cosine of 120°, so the angle between the walls is below 60°.
 const OPPOSED: f64 = -0.5;
 
 /// Walls whose angle has a smaller sine count as parallel.

@@ -56,6 +56,7 @@ const POINT: f64 = 16.0;
 
 /// An end whose distance from another wall is at most this share of the radius of a disc lies on
 /// that wall, for this disc.
+/// So a floor of pieces may have gaps and steps of a thousandth of the radius (docs/physics.md).
 const JOINED: f64 = 2e-3;
 
 /// An end may lie on other walls up to this share of the length of the shorter wall.

@@ -38,6 +38,8 @@ const MAX_TESTS_OF_EACH: usize = 1 << 12;
 
 /// Displacements, in units of [`Container::max_displacement`], up to which one circle is made. It and a particle
 /// together are at most half as large as the torus.
+/// Times [`GROWTH`] and an eighth of the shorter side this is a quarter of the side, and a radius
+/// is at most another quarter.
 const ONE_CIRCLE: f64 = 1.6;
 
 /// Share of the radius within which surfaces may come to rest, whatever their speeds.

@@ -74,6 +74,9 @@ impl World {
             acceleration: (gx * gx + gy * gy).sqrt(),
             is_torus: !self.settings.container.period().is_none(),
         };
+        // Bounds for a long step would overlap most others. Bounds for a part of it are small, but
+        // each renewal builds a tree and lists pairs. The horizon is chosen so that a particle has
+        // about twice the candidates that it has at rest. All ranks compute it from the same means.
         let parts = crowding.parts(f64::from(self.scratch.usual_speed), f64::from(dt));
         let parts = parts.max(self.parts_with_few_collisions(&crowding, f64::from(dt))?);
         self.scratch.crowding = crowding;
