@@ -228,7 +228,7 @@ class Runner:
         self._show_errors()
         self._camera.follow(engine.view)
         self._interaction.follow()
-        running, step_seconds = not self.paused, engine.step_seconds
+        running, step_seconds = not self.paused, engine.whole_seconds
         statistics.follow(engine.frame, now, elapsed, running=running, step_seconds=step_seconds)
         return steps
 

@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from jostle_lab.session import Session
 from jostle_lab.simulate.history import History
 from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 
 SCENES = [
@@ -115,6 +117,25 @@ def test_acts_of_a_person_are_shown_as_they_were(stride: int) -> None:
         assert step == 0 or fingerprint(session) == prints[step]
         assert (100 in (len(session.frame),)) == (step <= 7)
     assert session.settings.gravity is None  # the slider goes back as well
+
+
+def test_a_drag_before_a_refused_step_is_not_forgotten(monkeypatch) -> None:
+    session = session_of(Settings("gas", 50), stride=8)
+    engine = session.engine
+    run(session, 1)
+
+    def drag(simulation: Simulation) -> bool:
+        simulation.change([0], velocities=(3.0, 4.0))
+        return True
+
+    with monkeypatch.context() as patch:
+        patch.setattr(engine, "act", drag)
+        patch.setattr(engine.simulation, "step", Mock(side_effect=ValueError("too fast")))
+        engine.request_step()
+        assert engine.take_error() == "too fast"
+    prints = run(session, 2)
+    session.runner.rewind(0.0)
+    assert fingerprint(session) == prints[-1]
 
 
 def test_an_edit_in_a_pause_is_undone_by_a_step_back_and_not_lost_by_scrubbing() -> None:

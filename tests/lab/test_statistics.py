@@ -1,6 +1,7 @@
 """The statistics: ring buffers, requests for sums, and the change of energy."""
 
 from dataclasses import replace
+from time import sleep
 
 import numpy as np
 import pytest
@@ -181,6 +182,14 @@ def test_slow_steps_are_summed_up_less_often() -> None:
     statistics.follow(state(0, 1.0), 0.0, 0.3, running=True, step_seconds=0.3)
     assert not statistics.energies_due(0.8)
     assert statistics.energies_due(0.95)
+
+
+def test_recording_is_a_part_of_a_step_for_that(open_session, monkeypatch) -> None:
+    session = open_session("gas", 100)
+    monkeypatch.setattr(session.runner.history, "after", lambda _: sleep(0.1))
+    run(session, FRAME)
+    assert session.engine.whole_seconds >= 0.1 + session.engine.step_seconds
+    assert not session.runner.statistics.energies_due(session.messages.now + 0.29)
 
 
 def test_lines_are_renewed_by_turns_a_part_a_frame(open_session) -> None:

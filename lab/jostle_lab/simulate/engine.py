@@ -124,7 +124,7 @@ class _Result:
     """The result of a job; nothing of the engine changes before the UI thread takes it."""
 
     frame: Frame
-    seconds: list[float]  # of each step
+    seconds: list[tuple[float, float]]  # of each step, alone and with recording
     error: str
     then: list[Then]
 
@@ -145,7 +145,7 @@ def _run(
         if edit.changes and history is not None:
             history.touch()
         edit.work(simulation)
-    seconds: list[float] = []
+    seconds: list[tuple[float, float]] = []
     error = ""
     try:
         make_steps(lambda: seconds.append(_step(simulation, history, act)))
@@ -155,15 +155,17 @@ def _run(
     return _Result(simulation.frame(request), seconds, error, then)
 
 
-def _step(simulation: Simulation, history: History | None, act: Act) -> float:
-    """Make and record one step; return its seconds without those of recording."""
-    touched = act(simulation)
+def _step(simulation: Simulation, history: History | None, act: Act) -> tuple[float, float]:
+    """Make and record one step; return its seconds, alone and with recording."""
     start = time.perf_counter()
+    if act(simulation) and history is not None:
+        history.touch()  # now, since the act stays if the step is refused
+    began = time.perf_counter()
     simulation.step()
-    seconds = time.perf_counter() - start
+    alone = time.perf_counter() - began
     if history is not None:
-        history.after(simulation, touched=touched)
-    return seconds
+        history.after(simulation)
+    return alone, time.perf_counter() - start
 
 
 class Engine:
@@ -180,7 +182,7 @@ class Engine:
         self.act: Act = lambda simulation: False
         self.steps = 0
         self.last_step: int | None = None  # after so many steps `advance` makes no more
-        self.last_seconds = 0.0  # time of the last step
+        self.last_seconds = 0.0  # time of the last step, alone
         self._worker = Worker("jostle-step", synchronous=synchronous)
         self._job: Future[_Result] | None = None
         self._edits: list[_Waiting] = []
@@ -200,7 +202,8 @@ class Engine:
         self.scene, self.time_step = simulation.settings.scene, simulation.time_step
         self._note_settings()
         self._timestep = FixedTimestep(simulation.time_step)
-        self.step_seconds = 0.0  # of a step, smoothed
+        self.step_seconds = 0.0  # of a step alone, smoothed
+        self.whole_seconds = 0.0  # of a step with recording, smoothed
         self.frame = simulation.frame(self.request) if frame is None else frame  # the last state
 
     @property
@@ -257,7 +260,7 @@ class Engine:
     def step(self) -> None:
         """Make one step on the calling thread; its error is raised."""
         self.wait()
-        self._note_step(_step(self.simulation, self.history, self.act))
+        self._note_step(*_step(self.simulation, self.history, self.act))
         self.frame = self.simulation.frame(self.request)
 
     def take_error(self) -> str:
@@ -290,10 +293,11 @@ class Engine:
     def _requested(self) -> bool:
         return bool(self._edits) or self._single or self._stale
 
-    def _note_step(self, seconds: float) -> None:
-        self.last_seconds = seconds
+    def _note_step(self, alone: float, whole: float) -> None:
+        self.last_seconds = alone
         self.steps += 1
-        self.step_seconds += (seconds - self.step_seconds) * (SMOOTH if self.step_seconds else 1.0)
+        self.step_seconds = _smoothed(self.step_seconds, alone)
+        self.whole_seconds = _smoothed(self.whole_seconds, whole)
 
     def _note_settings(self) -> None:
         """Copy what can be read while the simulation is in use."""
@@ -318,11 +322,15 @@ class Engine:
             result = job.result()
             self.frame = result.frame
             for seconds in result.seconds:
-                self._note_step(seconds)
+                self._note_step(*seconds)
             self.error = result.error or self.error
             self._note_settings()
             for then in result.then:
                 then()
+
+
+def _smoothed(mean: float, new: float) -> float:
+    return mean + (new - mean) * (SMOOTH if mean else 1.0)
 
 
 Create = Callable[[], Simulation]

@@ -64,12 +64,12 @@ class History:
         self._drop_future()
         self._changed = True
 
-    def after(self, simulation: Simulation, *, touched: bool = False) -> None:
-        """Store the moment after a step, with a snapshot if needed; `touched` if the user acted."""
+    def after(self, simulation: Simulation) -> None:
+        """Store the moment after a step, with a snapshot if needed."""
         self._drop_future()
         self._time += simulation.time_step
         self._since += 1
-        changed, self._changed = self._changed or touched, False
+        changed, self._changed = self._changed, False
         due = self._since >= self.stride
         if not changed and not self._adrift:
             self._keep(Moment(self._time, True, simulation.save() if due else None))
