@@ -108,16 +108,33 @@ _TOKEN = re.compile(
 
 
 def _parsed(name: str, text: str) -> dict[str, Any]:
-    """Return the entries of a TOML text; raise a ConfigError with the place of an error."""
+    """Return the entries of a TOML text; raise a ConfigError with the line of an error."""
     try:
         entries: dict[str, Any] = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{name}: {error}") from error
+        raise ConfigError(_syntax(name, text, str(error))) from error
     except RecursionError as error:
         raise ConfigError(f"{name}: too many brackets are open") from error
     except ValueError as error:  # Python reads no integers of thousands of digits
         raise ConfigError(f"{name}: a number has too many digits") from error
     return entries
+
+
+# Messages of the reader that do not say what to change.
+_PLAIN = {
+    "Cannot overwrite a value": "the entry is given twice",
+    "Illegal character '\\n'": "a quotation mark is missing at the end of the line",
+}
+
+
+def _syntax(name: str, text: str, complaint: str) -> str:
+    """Return the reader's message with the line before it, as in other messages."""
+    reason, _, place = complaint.rpartition(" (at ")
+    reason = _PLAIN.get(reason, reason[:1].lower() + reason[1:])
+    line = place.removeprefix("line ").split(",")[0]
+    if not line.isdigit():  # "end of document"
+        line = str(text.rstrip().count("\n") + 1)
+    return f"{name}, line {line}: {reason}"
 
 
 def line_of(text: str, key: Key) -> int:
