@@ -5,6 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import check_types
+import pytest
 import stub_docstrings
 
 import jostle._core
@@ -130,3 +131,11 @@ def test_code_of_a_document_keeps_its_line_numbers() -> None:
         16: "def f():",
         17: "    return x",
     }
+
+
+@pytest.mark.parametrize("document", check_types.DOCUMENTS, ids=lambda path: path.name)
+def test_code_of_every_document_is_python(document: Path) -> None:
+    text = document.read_text(encoding="utf-8")
+    code = check_types.code_of(text)
+    assert bool(code.strip()) == ("```python\n" in text)
+    compile(code, document.name, "exec")
