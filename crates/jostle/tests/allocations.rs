@@ -8,10 +8,9 @@ use jostle_base::Settings;
 use jostle_index::{Each, Shapes};
 use jostle_scenes::{self as scenes, STEP};
 use jostle_separate::{Separation, separate};
-use jostle_world::forces::{Attractor, Gravitation, Law, Pole};
-use jostle_world::{Changes, Influence as Force, Particles, WorldSettings};
+use jostle_world::{Changes, Particles, WorldSettings};
 
-use crate::common::worlds::{boxed, forced, still, world_of};
+use crate::common::worlds::{boxed, still, world_of};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };
@@ -145,23 +144,6 @@ fn a_step_allocates_nothing_after_some_steps() {
         let found = allocations(|| world.step(STEP, 20).unwrap());
         assert!(found <= RARE, "{len} of {name}: {found} allocations in 20 steps");
     }
-}
-
-#[test]
-fn a_step_with_forces_on_named_particles_allocates_nothing() {
-    let law = Law::InverseSquare;
-    let attractor = Force::Attractor(Attractor { pole: Pole::Particle(3), strength: 2.0, law });
-    let gravitation = Force::Gravitation(Gravitation { g: 1.0, softening: 0.5, theta: 0.5 });
-    let at = |k: u16| [f32::from(k % 20) * 3.0, f32::from(k / 20) * 3.0];
-    let all = still(&(0..400).map(at).collect::<Vec<_>>(), 1.0);
-    let settings = WorldSettings {
-        tree: Settings { threads: Some(1), ..Settings::default() },
-        ..WorldSettings::default()
-    };
-    let mut world = forced(all, vec![attractor, gravitation], settings);
-    world.step(STEP, 60).unwrap();
-    let found = allocations(|| world.step(STEP, 20).unwrap());
-    assert!(found <= 10, "{found} allocations in 20 steps");
 }
 
 /// Discs that move near sleeping ones, and do not touch them.
