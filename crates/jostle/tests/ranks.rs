@@ -1,16 +1,15 @@
 //! Distributed worlds, whose ranks are threads here.
 
-use jostle_world::ranks;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{self, ThreadId};
 
-use jostle_base::{Error, Id};
-use jostle_scenes::{STEP, find};
-use jostle_world::ranks::read_records;
-use jostle_world::{Communicator, Container, OnTouch, Particles, Stage, World, WorldSettings};
-
 use crate::common::ranks::{ThreadRank, ranks};
 use crate::common::worlds::{boxed, inside, world_of};
+use jostle_base::{Error, Id};
+use jostle_scenes::{STEP, find};
+use jostle_world::ranks;
+use jostle_world::ranks::read_records;
+use jostle_world::{Communicator, Container, OnTouch, Particles, Stage, World, WorldSettings};
 
 /// A gas on a lattice with pseudo-random velocities.
 fn gas(count: usize) -> Particles {

@@ -1,11 +1,11 @@
 //! Makes a world the part of a distributed world that a rank has, and writes its own particles as records.
 
-use super::domain::{domain_of, domain_of_mut};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
 
 use super::domain::Domain;
+use super::domain::{domain_of, domain_of_mut};
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
 use crate::forces::{Influence, Reach, Role};
 use crate::world::World;

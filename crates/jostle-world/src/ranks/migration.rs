@@ -1,20 +1,20 @@
 //! Migration: particles move to the ranks in whose domains they are, with what the solver keeps of them. Ghosts
 //! are added and removed here too.
 
-use super::carried::{keep_resting, take_kept_of};
-use super::domain::{domain_of, domain_of_mut};
-use super::reductions::sum_up;
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
 use super::carried::{NONE, Resting, put_kept, put_push};
+use super::carried::{keep_resting, take_kept_of};
 use super::domain::Domain;
+use super::domain::{domain_of, domain_of_mut};
+use super::reductions::sum_up;
 use super::{
     Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
 use crate::world::World;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
 use crate::world::edits::retain_unless;
 use jostle_base::bytes::{Plain, append, read_all};

@@ -15,7 +15,11 @@
 //! contradictions is unique. The colours of contacts are compared, too. Otherwise, or if a particle
 //! got further than announced, all ranks repeat the step with a wider halo.
 
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
 use super::carried::recall_resting;
+use super::domain::Domain;
 use super::domain::{domain_of, domain_of_mut};
 use super::edits::wake_edited;
 use super::ghosts::{exchange_ghosts, exchange_static_ghosts, renew_ghosts};
@@ -23,15 +27,11 @@ use super::islands::{drop_contacts_of_woken, join_islands, keep_pairs_of_sleeper
 use super::merge::{members_of_islands, merge_members};
 use super::migration::{drop_ghosts, move_to_domains};
 use super::waking::{recall_contacts_of_woken, wake_touched};
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
-use std::cell::Cell;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-
-use super::domain::Domain;
 use crate::contacts::ContactShape;
 use crate::halo::{Halo, digest, digest_all};
 use crate::motion::exact;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use crate::world::distribution::{Agreement, Protocol};
 use crate::world::{OnTouch, Stats, World};
 use jostle_base::error::{Error, Result};

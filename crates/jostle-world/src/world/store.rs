@@ -1,7 +1,5 @@
 //! The motions of a step: loaded from the columns before the sub-steps, and stored into them at the end.
 
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,6 +7,8 @@ use super::plan::Plan;
 use super::{OnTouch, World};
 use crate::motion::{self, Motion};
 use crate::particles::{FARTHEST, Particles, wrap_angle};
+use crate::world::bodies::Bodies;
+use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
 use jostle_base::parallel;
 

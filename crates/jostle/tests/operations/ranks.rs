@@ -1,21 +1,20 @@
 //! The same operations on one world and on a distributed one, whose ranks are threads.
 
-use jostle_world::ranks;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle};
-
-use jostle_base::{Id, Result};
-use jostle_index::Each;
-use jostle_scenes::STEP;
-use jostle_world::forces::{Andersen, Flocking, ThermalWalls, Thermostat};
-use jostle_world::ranks::{put_record, read_records};
-use jostle_world::{Changes, Influence, OnTouch, Particles, World, WorldSettings};
 
 use super::driver::{Case, Draw, run};
 use super::world::{draw_particle, draw_particles, draw_resting, draw_settings, draw_wall};
 use crate::common::ranks::ranks;
 use crate::common::worlds::boxed;
+use jostle_base::{Id, Result};
+use jostle_index::Each;
+use jostle_scenes::STEP;
+use jostle_world::forces::{Andersen, Flocking, ThermalWalls, Thermostat};
+use jostle_world::ranks;
+use jostle_world::ranks::{put_record, read_records};
+use jostle_world::{Changes, Influence, OnTouch, Particles, World, WorldSettings};
 
 /// What a rank does: it gets its number and its part of the world, and may answer with bytes.
 type Task = Arc<dyn Fn(usize, &mut World) -> Result<Vec<u8>> + Send + Sync>;
