@@ -203,8 +203,9 @@ def refused(call):
         return float(words[3]) if words[4] == "MiB" else 0
 limit_memory(20 << 20)
 for call in calls:
-    # A thread may be refused early, when hardly anything is found: rare, so the largest of three.
-    assert max(refused(call) for _ in range(3)) > 6
+    # A thread may be refused at its first pairs, and the size so far is small then: in about one
+    # call of 100 on a busy machine. So two of three calls must name a large one.
+    assert sorted(refused(call) for _ in range(3))[1] > 6
     print("refused")
 """
     )

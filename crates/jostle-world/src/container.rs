@@ -1,6 +1,6 @@
-//! The container: walls around the particles, or a torus. Only this module depends on its shape:
-//! gaps and normals, the nearest position inside, times of impact. A torus has no walls but a
-//! [`Period`].
+//! The container: walls around the particles, or a torus. What depends on its shape is here: gaps and
+//! normals, the nearest position inside, times of impact. Only checks of settings and of walls at a
+//! temperature ask for it elsewhere. A torus has no walls but a [`Period`].
 
 use crate::particles::FARTHEST;
 use crate::tolerance::ROUNDING;

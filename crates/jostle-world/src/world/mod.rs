@@ -382,7 +382,8 @@ impl World {
         self.stats
     }
 
-    /// A quadtree of the particles as they are now; its rows are those of the particles.
+    /// A quadtree of the particles as they are now; its rows are those of the particles. It has no period: on a
+    /// torus it does not find neighbours across the boundary.
     pub fn quadtree(&self) -> Result<Quadtree<f32>> {
         let radii = Each::Rows(self.bodies.radii());
         let mut shapes = Shapes::circles(self.bodies.positions(), radii)?;

@@ -4,6 +4,7 @@
 //! a search. So they are the same on every process, with brute force and with the tree. Two fields are those of one
 //! process, and change no result: `threads`, and `is_bounded`, which allows events to skip a test. Stiff springs decide
 //! whether contacts rest; they are a property of one process, because distributed worlds have no springs.
+//! `is_bounded` and the number of sub-steps are completed once, after the bounds and the contacts ([`World::refined`]).
 //! `World::step_once` makes the plan after it has computed the forces, because these say how springs are solved, and
 //! hands it to the stages.
 

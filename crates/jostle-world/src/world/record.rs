@@ -192,7 +192,7 @@ impl Record {
         self.is_open |= !self.knows_sleepers;
     }
 
-    /// Ends a call of several steps: if its first step fails, the record is as before it began.
+    /// Called after each step: if the first one of this record fails, the record is as before it began.
     pub(crate) fn keep_or_cancel(&mut self, is_done: bool) {
         if let Some(previous) = self.previous.take()
             && !is_done

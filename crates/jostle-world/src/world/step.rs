@@ -24,7 +24,7 @@ pub(crate) const MAX_CANDIDATES: usize = 1 << 25;
 /// searched (docs/benchmarks-notes.md, walls).
 const SPARE: f32 = 0.3;
 
-/// Repetitions of a step that wake only islands that would be touched. One more wakes all.
+/// Attempts at a step after which only the islands that they touched wake. After one more all wake.
 pub(crate) const MAX_ATTEMPTS: usize = 4;
 
 impl World {
@@ -68,8 +68,8 @@ impl World {
     /// Makes a step. If it fails on any process, it fails on all, and changes nothing.
     ///
     /// An attempt that reaches sleeping islands is undone, they wake, and the next attempt begins. So no particle
-    /// meets a sleeping one, and the stages know nothing of sleeping. After [`MAX_ATTEMPTS`] of them all islands
-    /// wake, so that the loop ends. An attempt on which processes do not agree is repeated with more ghosts.
+    /// meets a sleeping one, and the stages know nothing of sleeping. After [`MAX_ATTEMPTS`] such attempts the next
+    /// one wakes all islands, so that the loop ends. An attempt on which processes do not agree is repeated with more ghosts.
     fn step_until_complete(&mut self, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
         let single = dt as f32;
         // Motors drive before the first attempt, because all attempts begin with the same
@@ -211,7 +211,7 @@ impl World {
             if self.settings.on_touch == OnTouch::Merge && self.halo.protocol().must_repeat(self)? {
                 return Ok(plan);
             }
-            // From here on positions and velocities in the columns change. Before, only `motions` did.
+            // The results of the sub-steps are in `motions` so far; from here on they go to the columns.
             self.walls.end_step(f64::from(dt));
             self.collect_touches(plan.threads);
             self.store_motions(plan.threads)?;
@@ -276,7 +276,8 @@ impl World {
         scratch.tree.rebuild(&scratch.shapes, self.settings.tree, &tie)
     }
 
-    /// Finds the pairs of indices whose bounds overlap; none if particles pass through each other.
+    /// Finds the pairs of indices whose bounds overlap. If particles pass through each other, they are listed only
+    /// for events.
     fn find_candidates(&mut self, plan: &Plan) -> Result<()> {
         // Without resting contacts the pairs need no order.
         let is_sorted = plan.may_rest || self.settings.on_touch != OnTouch::Bounce;
