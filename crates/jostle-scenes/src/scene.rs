@@ -6,6 +6,7 @@ use super::random::Random;
 use super::start::Start;
 use jostle_base::error::{Error, Result};
 use jostle_world::particles::Particles;
+#[cfg(feature = "ranks")]
 use jostle_world::ranks;
 use jostle_world::world::{Defaults, World};
 
@@ -42,6 +43,7 @@ impl Scene {
     /// the whole. The parts of all ranks, one after the other, are the particles of
     /// [`Scene::create`]. Not all scenes can be made in parts; the others are made as a whole
     /// first.
+    #[cfg(feature = "ranks")]
     pub fn create_part(
         &self,
         count: Option<usize>,
