@@ -1,6 +1,9 @@
 //! Discs with mass that collide in the order of time, with forces, walls, resting contacts and sleep.
 
-#![cfg_attr(not(feature = "ranks"), allow(dead_code, reason = "some functions of the parts are for `ranks` alone"))]
+#![cfg_attr(
+    not(feature = "ranks"),
+    allow(dead_code, reason = "some functions of the parts are for `ranks` alone")
+)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod particles;
