@@ -27,7 +27,6 @@ impl PairTable {
         strength: f32,
     ) -> Result<Self> {
         check_each("matrix", kinds, matrix, f32::is_finite, "it must be finite")?;
-        check_number("strength", strength, -FARTHEST)?;
         if !(0.0..1.0).contains(&core) || core == 0.0 {
             return Err(Error::of("core", core, "it must lie between 0 and 1"));
         }

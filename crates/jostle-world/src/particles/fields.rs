@@ -12,7 +12,7 @@ use super::{
 };
 use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
-use jostle_base::table::{dense, sparse, sparse_value};
+use jostle_base::table::{Table, dense, sparse, sparse_value};
 use jostle_index::shapes::Each;
 
 /// A value of a field: one number or several.
@@ -81,6 +81,12 @@ macro_rules! fields {
         pub struct Changes {
             $($(#[$doc])* pub $name: Option<Each<$type>>,)*
         }
+
+        // A column without a field would be lost by records, ties and comparisons.
+        const _: () = assert!(
+            0 $(+ size_of::<$type>())* == <Particles as Table>::ROW_SIZE,
+            "each column of particles needs a field"
+        );
 
         impl Changes {
             /// Refuses fields that do not have `len` values, and values out of range.

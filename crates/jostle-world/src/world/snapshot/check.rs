@@ -63,6 +63,7 @@ impl World {
             .validate(|row| (0..len as Id).contains(&row))
             .and_then(|()| self.influences.check_kinds(&self.bodies.kinds()))
             .and_then(|()| self.influences.check_fit(container))
+            .and_then(|()| self.influences.check_sides(container))
             .map_err(refused)?;
         let walls = mem::take(&mut self.walls).all().to_vec();
         self.walls = Walls::new(walls, container, tree).map_err(refused)?;
