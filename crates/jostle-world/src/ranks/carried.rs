@@ -7,10 +7,11 @@ use super::domain::{domain_of, domain_of_mut};
 use super::islands::SleepingContact;
 use crate::contacts::Contact;
 use crate::world::World;
-use crate::world::asleep::Sleepers;
 use crate::world::bodies::Bodies;
+use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
 use crate::world::bodies::discs::Persistent;
+use crate::world::islands::sleep::{remove_sleepers, take_wall_impulses};
 use crate::world::touches::{Touch, WallImpulse, touch_of};
 use jostle_base::bytes::{Plain, Reader, append, damaged, read_all};
 use jostle_base::error::Result;
@@ -273,18 +274,18 @@ fn restore_sleepers(
     }
     // The lists are filled as if the islands fell asleep now, so that the same functions take them
     // out of the columns.
-    let sleeping = &mut world.scratch.sleeping;
-    sleeping.members.clear();
-    sleeping.names.clear();
-    sleeping.names.resize(world.bodies.awake.rows.len(), 0);
+    let islands = &mut world.islands;
+    islands.members.clear();
+    islands.names.clear();
+    islands.names.resize(world.bodies.awake.rows.len(), 0);
     for island in all.chunk_by(|a, b| a.0 == b.0) {
         let (name, first) = island[0];
-        sleeping.members.extend(island.iter().map(|&(_, index)| [first, index]));
-        sleeping.names[first as usize] = name;
+        islands.members.extend(island.iter().map(|&(_, index)| [first, index]));
+        islands.names[first as usize] = name;
     }
-    sleeping.members.sort_unstable();
-    let mut new = world.take_sleepers();
-    world.take_wall_impulses(&mut new);
+    islands.members.sort_unstable();
+    let mut new = islands.take(&world.bodies.awake);
+    take_wall_impulses(&world.wall_impulses, &mut new);
     if world.halo.is_whole() {
         new.set_contacts(contacts_of_rows(&new, &touches, row_of)?);
     } else {
@@ -294,7 +295,7 @@ fn restore_sleepers(
         return Ok(());
     }
     world.bodies.asleep.append(&new, world.settings.tree)?;
-    world.remove_sleepers(new);
+    remove_sleepers(world, new);
     Ok(())
 }
 

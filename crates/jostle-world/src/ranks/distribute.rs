@@ -9,7 +9,8 @@ use super::domain::{domain_of, domain_of_mut};
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
 use crate::forces::{Influence, Reach, Role};
 use crate::world::World;
-use crate::world::asleep::Asleep;
+use crate::world::bodies::asleep::Asleep;
+use crate::world::islands::wake::wake_all;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
@@ -40,7 +41,7 @@ pub fn distribute(
 ) -> Result<()> {
     check_distributable(world)?;
     // Sleeping islands of one process have no names, by which ranks know them.
-    world.wake_all();
+    wake_all(world);
     let mut group = Group::new(communicator);
     let mut total = [ids.len() as u64];
     group.sum(&mut total)?;

@@ -16,7 +16,7 @@ use crate::contacts::{Contact, ContactShape, Contacts, Sequential};
 use crate::container::Container;
 use crate::halo::{Halo, digest};
 use crate::particles::Particles;
-use crate::world::asleep::{Asleep, Sleepers};
+use crate::world::bodies::asleep::{Asleep, Sleepers};
 use crate::world::distribution::{Agreed, Distribution, Protocol};
 use crate::world::search::Lists;
 use crate::world::{StepScratch, World, WorldSettings};

@@ -6,6 +6,7 @@ use super::migration::{append_records, drop_ghosts};
 use super::read_records;
 use crate::world::World;
 use crate::world::bodies::ids::Ids;
+use crate::world::islands::wake::{wake_all, wake_to_stay};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
@@ -58,13 +59,10 @@ impl Domain {
 /// which only the velocities change, `changed` those of other changes.
 pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) -> Result<()> {
     let Some(domain) = domain_of(world) else { return Ok(()) };
-    let (indices, awake) = (world.bodies.indices_of(changed), world.bodies.awake.rows.len());
-    let is_fixed =
-        |&index: &u32| world.bodies.awake.particles.movable.get(index as usize) == Some(&false);
-    let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
-    let islands = world.bodies.asleep.islands_of(sleeping);
+    let indices = world.bodies.indices_of(changed);
+    let islands = world.bodies.islands_of(&indices);
     let own = Changed {
-        wakes_all: indices.iter().any(is_fixed),
+        wakes_all: indices.iter().any(|&index| world.bodies.is_immovable(index)),
         driven: driven.iter().map(|&row| domain.id(row)).collect(),
         names: world.bodies.asleep.names(&islands).collect(),
     };
@@ -84,7 +82,7 @@ pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) ->
     } else {
         world.bodies.asleep.named(&names)
     };
-    world.wake_to_stay(&islands);
+    wake_to_stay(world, &islands);
     Ok(())
 }
 
@@ -95,7 +93,7 @@ pub fn add(world: &mut World, records: Vec<u8>, ids: &[Id], count: usize) -> Res
     // As in one process: steps do not test immovable particles against sleeping ones.
     let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
     if world.halo().any(is_fixed)? {
-        world.wake_all();
+        wake_all(world);
     }
     let Some(domain) = domain_of(world) else { return Ok(()) };
     let first = domain.own;

@@ -12,7 +12,9 @@ use crate::halo::Halo;
 use crate::world::World;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
-use crate::world::sleeping::{IslandMotion, NONE, Scratch};
+use crate::world::islands::motion::IslandMotion;
+use crate::world::islands::{Islands, NONE};
+
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
@@ -88,9 +90,9 @@ fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
 /// Gives the islands of this rank's particles their names, and how all their members on all ranks have
 /// moved.
 pub(super) fn join_islands(world: &mut World) -> Result<()> {
-    let World { bodies: Bodies { awake: Discs { rows, .. }, .. }, halo, scratch, .. } = world;
+    let World { bodies: Bodies { awake: Discs { rows, .. }, .. }, halo, islands, .. } = world;
     let domain = Domain::of_mut(&mut **halo);
-    let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
+    let Islands { first, motions, names, .. } = islands;
     names.clear();
     names.resize(rows.len(), NO_NAME);
     // The smallest id of its own particles names a group. It depends on no rows.
@@ -103,7 +105,7 @@ pub(super) fn join_islands(world: &mut World) -> Result<()> {
     }
     // Only groups with ghosts can be parts of larger islands. Others keep their names and their
     // motion.
-    let own = groups_with_ghosts(domain, (first, names), of_islands)?;
+    let own = groups_with_ghosts(domain, (first, names), motions)?;
     let mut to = Writer::default();
     to.put_count(own.len());
     own.values().for_each(|group| group.put(&mut to));
@@ -114,7 +116,7 @@ pub(super) fn join_islands(world: &mut World) -> Result<()> {
     }
     let islands = join(&groups);
     for (first, group) in own {
-        (names[first as usize], of_islands[first as usize]) = islands[&group.label];
+        (names[first as usize], motions[first as usize]) = islands[&group.label];
     }
     Ok(())
 }
@@ -131,10 +133,10 @@ pub(super) fn keep_pairs_of_sleepers(world: &mut World) -> Result<()> {
     world.scratch.touching = scratch;
     let pairs: Vec<[u32; 2]> = pairs?;
     let World {
-        bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, halo, scratch, ..
+        bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, halo, islands, ..
     } = world;
     let domain = Domain::of_mut(&mut **halo);
-    let Scratch { island_of, first, names, .. } = &scratch.sleeping;
+    let Islands { island_of, first, names, .. } = islands;
     for pair in pairs {
         let sleeps = |&index: &u32| island_of[index as usize] != NONE;
         let Some(index) = pair.into_iter().find(sleeps) else { continue };
@@ -165,7 +167,7 @@ pub(super) fn drop_contacts_of_woken(world: &mut World) {
 fn groups_with_ghosts(
     domain: &Domain,
     (first, names): (&[u32], &[Id]),
-    of_islands: &[IslandMotion],
+    motions: &[IslandMotion],
 ) -> Result<BTreeMap<u32, Group>> {
     let label = |index: u32| names[first[index as usize] as usize];
     let mut groups = BTreeMap::new();
@@ -178,7 +180,7 @@ fn groups_with_ghosts(
             continue;
         }
         let first = first[index as usize];
-        let (label, motion) = (label(index), of_islands[first as usize]);
+        let (label, motion) = (label(index), motions[first as usize]);
         let new = || Group { label, motion, others: Vec::new() };
         groups.entry(first).or_insert_with(new).others.push(other as Id);
     }

@@ -264,7 +264,8 @@ fn leave(world: &mut World, destinations: &HashMap<u32, usize>) -> usize {
             if is_gone { NONE } else { left - 1 }
         })
         .collect();
-    world.keep(&stays);
+    world.bodies.keep(&stays);
+    world.contacts.retain(&stays);
     let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
     world.external.iter_mut().for_each(|external| retain_unless(external, &gone));
     world.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);

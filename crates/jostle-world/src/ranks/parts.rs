@@ -9,6 +9,7 @@ use super::edits::set_ids;
 use super::islands::SleepingContact;
 use super::{RECORD, read_records};
 use crate::world::World;
+use crate::world::islands::sleep::may_sleep;
 use jostle_base::bytes::{Plain, Reader, checksum, damaged};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -86,7 +87,9 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
     take_kept(&mut world, [kept, resting, pushes, members, touches])?;
     world.check_wall_impulses()?;
     world.check_sleeping()?;
-    if !world.bodies.asleep.is_empty() && !world.may_sleep() {
+    if !world.bodies.asleep.is_empty()
+        && !may_sleep(&world.settings, &world.influences, &world.walls)
+    {
         return Err(damaged("nothing can sleep in it"));
     }
     Ok(world)

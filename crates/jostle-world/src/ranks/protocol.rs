@@ -363,7 +363,7 @@ pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
         domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
     });
     // A step that ended early, or that differs, is repeated.
-    let is_refused = !world.scratch.meets_sleepers && world.scratch.events.has_too_many();
+    let is_refused = !world.islands.meets_sleepers && world.scratch.events.has_too_many();
     // All ranks must return the same, so the numbers are added up even where this rank knows its
     // answer.
     let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;

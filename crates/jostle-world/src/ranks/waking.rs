@@ -13,8 +13,9 @@ use super::{Grid, Near};
 use crate::container::Container;
 use crate::particles::Particles;
 use crate::world::World;
-use crate::world::asleep::{Asleep, Island, Sleepers};
+use crate::world::bodies::asleep::{Asleep, Island, Sleepers};
 use crate::world::bounds::rounding;
+use crate::world::islands::wake::wake;
 use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -161,7 +162,7 @@ pub(super) fn wake_touched(world: &mut World, touched: &[u32], all: bool) -> Res
     } else {
         world.bodies.asleep.named(&names)
     };
-    world.wake(&islands);
+    wake(world, &islands);
     // The numbers of particles that are awake have changed, on which steps depend.
     sum_up(world)
 }

@@ -6,7 +6,8 @@
 
 use std::any::Any;
 
-use super::asleep::Sleepers;
+use super::bodies::asleep::Sleepers;
+use super::islands::wake::{wake, wake_changed, wake_driven, wake_every_island};
 use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
 use crate::halo::{Alone, Halo};
@@ -185,9 +186,9 @@ pub(crate) trait Protocol: Sync {
     /// Wakes the islands that an attempt at a step would touch, or all.
     fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()> {
         if all {
-            world.wake_every_island();
+            wake_every_island(world);
         } else {
-            world.wake(touched);
+            wake(world, touched);
         }
         Ok(())
     }
@@ -195,8 +196,8 @@ pub(crate) trait Protocol: Sync {
     /// Wakes the islands that changes concern: `driven` are rows of immovable particles of which only
     /// the velocities change, `changed` those of other changes.
     fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()> {
-        world.wake_driven(driven);
-        world.wake_changed(changed);
+        wake_driven(world, driven);
+        wake_changed(world, changed);
         Ok(())
     }
 

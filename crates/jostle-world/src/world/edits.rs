@@ -3,11 +3,12 @@
 use std::ops::Range;
 
 use super::World;
-use super::sleeping::Drift;
+use super::bodies::discs::RecentMotion;
+use super::islands::wake::{wake_all, wake_changed};
 use crate::particles::{Changes, Effect, Particles};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
-use jostle_base::table::{Table, dense};
+use jostle_base::table::Table;
 use jostle_index::shapes::MAX_ROWS;
 
 impl World {
@@ -27,7 +28,7 @@ impl World {
         // A step tests only particles that move against sleeping ones. So an immovable particle put
         // on a sleeping island would never wake it.
         if !particles.movable.iter().all(|&movable| movable) {
-            self.wake_all();
+            wake_all(self);
         }
         self.bodies.awake.particles.extend(&particles);
         self.bodies.awake.rows.extend(old as u32..new as u32);
@@ -46,7 +47,7 @@ impl World {
             return Ok(());
         }
         // Islands wake while rows still have their old meaning.
-        self.wake_changed(&rows);
+        wake_changed(self, &rows);
         let mut gone = vec![false; self.len()];
         rows.iter().for_each(|&row| gone[row as usize] = true);
         let shifted = self.take_out(&gone);
@@ -69,23 +70,14 @@ impl World {
         let keep: Vec<bool> =
             self.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
-        self.keep(&keep);
+        self.bodies.keep(&keep);
+        self.contacts.retain(&keep);
         self.bodies.ids.remove(gone);
         self.external.iter_mut().for_each(|external| retain_unless(external, gone));
         self.bodies.asleep.renumber(&shifted);
         self.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.bodies.forget_indices();
         shifted
-    }
-
-    /// Keeps some indices of all columns, and the contacts between them.
-    pub(crate) fn keep(&mut self, keep: &[bool]) {
-        self.bodies.awake.particles.keep(keep);
-        self.bodies.awake.particles.simplify();
-        self.bodies.awake.persistent.keep(keep);
-        dense::keep(&mut self.bodies.awake.rows, keep);
-        self.contacts.retain(keep);
-        self.bodies.forget_indices();
     }
 
     /// A copy of some particles, in this order. It costs as much as there are ids.
@@ -173,7 +165,7 @@ impl World {
     /// Whether changes may wake particles, or concern those whose motion is observed.
     fn may_wake(&self) -> bool {
         !self.bodies.asleep.is_empty()
-            || !self.bodies.awake.persistent.drifts.is_empty()
+            || !self.bodies.awake.persistent.recent_motions.is_empty()
             || !self.halo.is_alone()
     }
 
@@ -195,8 +187,9 @@ impl World {
         for index in self.bodies.indices_of(&changed) {
             // What was observed of the particle does not hold after the change. It is observed for
             // two whole quarters again before it may sleep.
-            if let Some(drift) = self.bodies.awake.persistent.drifts.get_mut(index as usize) {
-                *drift = Drift::UNKNOWN;
+            let recent = &mut self.bodies.awake.persistent.recent_motions;
+            if let Some(recent) = recent.get_mut(index as usize) {
+                *recent = RecentMotion::UNKNOWN;
             }
         }
         self.halo.protocol().wake_edited(self, &mut driven, &changed)

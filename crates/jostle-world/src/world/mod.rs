@@ -6,7 +6,6 @@
 //! order of a step and `plan` what its stages do; the files of the stages are named after them. What a step works on is in
 //! [`StepScratch`], and what it changes it can undo ([`undo`]).
 
-pub(crate) mod asleep;
 pub(crate) mod bodies;
 pub(crate) mod bounds;
 pub(crate) mod contacts;
@@ -14,10 +13,11 @@ pub(crate) mod distribution;
 mod displacements;
 mod drive;
 pub(crate) mod edits;
-mod force_step;
+pub(crate) mod force_step;
 mod external;
+pub(crate) mod islands;
 pub(crate) mod merge;
-mod plan;
+pub(crate) mod plan;
 mod record;
 mod reductions;
 mod refinement;
@@ -25,7 +25,6 @@ mod renewal;
 mod reorder;
 pub(crate) mod search;
 pub(crate) mod settings;
-pub(crate) mod sleeping;
 mod snapshot;
 mod stage_hash;
 mod step;
@@ -35,7 +34,6 @@ mod sums;
 pub(crate) mod touches;
 mod touching;
 pub(crate) mod undo;
-mod waking;
 
 use crate::contacts::{ContactShape, Contacts};
 use crate::correction::Correction;
@@ -50,6 +48,8 @@ use bodies::discs::Discs;
 pub use bodies::{Bodies, Defaults};
 use distribution::{Agreement, Distribution};
 use force_step::ForceScratch;
+use islands::Islands;
+use islands::wake::wake_all;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
@@ -57,7 +57,6 @@ use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes, fill_filters};
 pub use record::{Collisions, Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
-use step::MAX_CANDIDATES;
 pub use sums::StateHash;
 pub use touches::{Touch, WallTouch};
 use undo::Before;
@@ -156,6 +155,8 @@ pub struct World {
     pub(crate) record: Record,
     /// The part of the world that this process has.
     pub(crate) halo: Box<dyn Distribution>,
+    /// Which particles belong together; working memory.
+    pub(crate) islands: Islands,
     pub(crate) scratch: StepScratch,
 }
 
@@ -170,12 +171,6 @@ pub(crate) struct StepScratch {
     /// Largest displacements with which a part of the step begins; empty if no particle sleeps and there
     /// are no other processes.
     pub(crate) limits: Vec<f32>,
-    /// Sleeping islands that the step would touch.
-    pub(crate) touched: Vec<u32>,
-    /// Whether there are any, on any process.
-    pub(crate) meets_sleepers: bool,
-    pub(crate) sleeping: sleeping::Scratch,
-    pub(crate) waking: waking::Scratch,
     pub(crate) grown: bounds::Grown,
     /// Rows that were exhausted in the step.
     pub(crate) exhausted: Vec<u32>,
@@ -274,8 +269,8 @@ impl World {
         // them.
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
-            self.wake_all();
-            self.bodies.awake.persistent.drifts.clear();
+            wake_all(self);
+            self.bodies.awake.persistent.recent_motions.clear();
         }
         if let Some(walls) = new_walls {
             self.walls = walls;
@@ -303,8 +298,8 @@ impl World {
         self.influences.check_walls(walls.len())?;
         let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
-        self.wake_all();
-        self.bodies.awake.persistent.drifts.clear();
+        wake_all(self);
+        self.bodies.awake.persistent.recent_motions.clear();
         // A wall that keeps its ends keeps its impulses for warm starting, so that a pile on it
         // stays at rest when another wall changes.
         let is_kept = |index: u32| {
@@ -355,8 +350,8 @@ impl World {
         influences.check_walls(self.walls.all().len())?;
         self.check_motors(&influences)?;
         influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
-        self.wake_all();
-        self.bodies.awake.persistent.drifts.clear();
+        wake_all(self);
+        self.bodies.awake.persistent.recent_motions.clear();
         self.influences = influences;
         Ok(())
     }

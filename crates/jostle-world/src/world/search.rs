@@ -3,13 +3,17 @@
 use std::cmp::Ordering;
 use std::iter;
 
-use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
+use super::{Touch, World, WorldSettings};
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
 use jostle_base::settings::Method;
 use jostle_index::pairs::{self, Filters, JoinScratch, SortScratch};
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes, fill_filters};
+
+/// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
+/// about four GiB.
+pub(crate) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Pairs of indices, a list for each offset: first those in the plane, with offset 0, then those
 /// across each seam of a torus. A pair overlaps if the second is moved by the offset.

@@ -6,17 +6,19 @@
 
 use std::cmp::Reverse;
 
+use super::islands::sleep::fall_asleep;
+use super::islands::wake::{
+    cancel_waking, forget_woken, has_left_bounds_to_sleepers, is_near_sleepers, is_still,
+    wake_touched,
+};
 use super::plan::Plan;
+use super::search::MAX_CANDIDATES;
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::events::MAX_COLLISIONS;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
-
-/// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
-/// about four GiB.
-pub(crate) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Share of the usual displacement by which the bounds in which walls are searched are larger than
 /// those for particles.
@@ -44,7 +46,7 @@ impl World {
         for _ in 0..steps {
             // Where all that can move sleeps, nothing changes. The ranks of a distributed world
             // find this out together, in `migrate`.
-            let done = if self.halo.is_whole() && self.is_still() {
+            let done = if self.halo.is_whole() && is_still(&self.bodies, &self.influences) {
                 self.skip_step()
             } else {
                 self.step_until_complete(dt, watch)
@@ -95,7 +97,7 @@ impl World {
                     Outcome::Complete => return Ok(()),
                     Outcome::Disagreement(agreement) => protocol.widen(world, agreement, dt)?,
                     Outcome::MeetsSleepers => {
-                        world.wake_touched(wakings == MAX_ATTEMPTS)?;
+                        wake_touched(world, wakings == MAX_ATTEMPTS)?;
                         wakings += 1;
                     }
                 }
@@ -113,22 +115,14 @@ impl World {
             // Between attempts the islands must stay awake, so waking is taken back only here.
             repeat(world).inspect_err(|_| {
                 protocol.give_up(world);
-                world.cancel_waking();
+                let World { bodies, contacts, wall_impulses, .. } = world;
+                cancel_waking(bodies, contacts, wall_impulses);
             })
         });
         if done.is_err() {
             self.restore_driven(driven);
         }
         done
-    }
-
-    /// Wakes the islands that an attempt has touched, or all.
-    fn wake_touched(&mut self, all: bool) -> Result<()> {
-        let mut touched = std::mem::take(&mut self.scratch.touched);
-        self.halo.protocol().wake_touched(self, &touched, all)?;
-        touched.clear();
-        self.scratch.touched = touched;
-        Ok(())
     }
 
     /// Makes an attempt final, unless it must be repeated. If there is an error, it can be undone.
@@ -141,7 +135,7 @@ impl World {
         if agreement != Agreement::Same {
             return Ok(Outcome::Disagreement(agreement));
         }
-        if self.scratch.meets_sleepers {
+        if self.islands.meets_sleepers {
             return Ok(Outcome::MeetsSleepers);
         }
         // From here on the attempt counts, unless there is an error.
@@ -153,8 +147,8 @@ impl World {
             self.record_pairs(&touching.collect::<Vec<_>>());
         }
         // Falling asleep is the last that may fail. What comes after it cannot be undone.
-        self.fall_asleep(plan, dt)?;
-        self.forget_woken();
+        fall_asleep(self, plan, dt)?;
+        forget_woken(self);
         self.record.end_step();
         self.halo.protocol().end_step(self);
         Ok(Outcome::Complete)
@@ -184,7 +178,7 @@ impl World {
             watch(Stage::Build, self);
             interrupt::check()?;
             // As early as possible, because the attempt is undone if this is true.
-            if self.is_near_sleepers(dt)? {
+            if is_near_sleepers(self, dt)? {
                 return Ok(plan);
             }
             self.find_candidates(&plan)?;
@@ -204,7 +198,7 @@ impl World {
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);
             // Collisions may have carried particles beyond the bounds that were tested before.
-            if self.has_left_bounds_to_sleepers()? {
+            if has_left_bounds_to_sleepers(self)? {
                 return Ok(plan);
             }
             // Particles must not merge on trajectories that another rank contradicts.
@@ -227,7 +221,7 @@ impl World {
     /// Begins an attempt: the number of its parts, and the sub-steps of each.
     fn begin_parts(&mut self, dt: f32) -> Result<(usize, usize)> {
         self.scratch.exhausted.clear();
-        self.scratch.meets_sleepers = false;
+        self.islands.begin_attempt();
         self.scratch.agreement = None;
         self.stats = Stats::default();
         self.choose_horizon(dt)?;

@@ -2,6 +2,7 @@
 //! collide in the order of time, then overlaps are corrected.
 
 use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
+use super::islands::wake::any_sleeps;
 use super::merge;
 use super::plan::Plan;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
@@ -72,7 +73,7 @@ impl World {
     /// Prepares what lasts for all sub-steps: the impulses of resting contacts and of position
     /// correction, and the results of events.
     fn begin_substeps<'a>(&mut self, plan: &'a Plan) -> Substeps<'a> {
-        let any_sleeps = self.any_sleeps();
+        let any_sleeps = any_sleeps(&self.bodies, &*self.halo);
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
         } = self;

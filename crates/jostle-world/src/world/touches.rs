@@ -58,6 +58,12 @@ pub(crate) fn add_up(all: &mut Vec<WallImpulse>) {
     all.retain(|of| of.impulses[0] > 0.0);
 }
 
+/// Removes the impulses of walls on some rows.
+pub(crate) fn drop_wall_impulses(all: &mut Vec<WallImpulse>, mut rows: Vec<u32>) {
+    rows.sort_unstable();
+    all.retain(|of| rows.binary_search(&of.row).is_err());
+}
+
 /// What callers see of the contact of two particles with these ids.
 pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
     let sign = if i < j { 1.0 } else { -1.0 };

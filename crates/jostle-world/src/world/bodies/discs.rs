@@ -1,8 +1,7 @@
 //! The columns of the particles by indices, each declared once. What a step computes anew is in `StepScratch`.
 
 use crate::particles::Particles;
-use crate::world::sleeping::Drift;
-use jostle_base::table;
+use jostle_base::{plain, table};
 
 table! {
     /// All columns by indices: those that a step reorders, and that sleeping particles keep.
@@ -22,6 +21,29 @@ table! {
     pub(crate) struct Persistent {
         /// Sleeping: how each particle moved in the last quarters of a second; empty if nothing may fall
         /// asleep.
-        pub(crate) drifts: sparse Drift,
+        pub(crate) recent_motions: sparse RecentMotion,
     }
 }
+
+/// How a particle moved in the previous quarter of a second and in this one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RecentMotion {
+    /// Displacement of the particle and of its surface in the previous quarter; infinite if it was
+    /// too fast.
+    pub(crate) before: [f32; 3],
+    /// The same in this quarter so far.
+    pub(crate) now: [f32; 3],
+}
+
+impl RecentMotion {
+    /// Of a particle that has not been observed for a whole quarter.
+    pub(crate) const UNKNOWN: Self = Self { before: [f32::INFINITY; 3], now: [f32::INFINITY; 3] };
+}
+
+impl Default for RecentMotion {
+    fn default() -> Self {
+        Self::UNKNOWN
+    }
+}
+
+plain! { RecentMotion { before, now } }

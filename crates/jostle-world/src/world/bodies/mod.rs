@@ -5,19 +5,20 @@
 //! loop runs in an order that comes from the state. A particle has an *id*, which stays, and which only callers use; a
 //! *row*, its place in the order of adding; and an *index*, its place in memory, which changes with every step.
 
-mod defaults;
-pub(crate) mod discs;
 pub(crate) mod ids;
+pub(crate) mod discs;
+pub(crate) mod asleep;
+mod defaults;
 
 use std::sync::OnceLock;
 
-use super::asleep::Asleep;
 use crate::particles::{Particles, Spin};
+use asleep::Asleep;
 pub use defaults::Defaults;
 use discs::Discs;
 use ids::Ids;
 use jostle_base::saved;
-use jostle_base::table::Table;
+use jostle_base::table::{Table, dense};
 use jostle_index::shapes::Filter;
 
 /// The particles of a world.
@@ -168,6 +169,27 @@ impl Bodies {
             None => (&self.awake.particles, index),
             Some(at) => (&self.asleep.sleepers().discs.particles, at),
         }
+    }
+
+    /// Whether the particle at an index is immovable. Those that sleep never are.
+    pub(crate) fn is_immovable(&self, index: u32) -> bool {
+        self.awake.particles.movable.get(index as usize) == Some(&false)
+    }
+
+    /// The sleeping islands of the particles at some indices, ascending.
+    pub(crate) fn islands_of(&self, indices: &[u32]) -> Vec<u32> {
+        let awake = self.awake.rows.len();
+        let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
+        self.asleep.islands_of(sleeping)
+    }
+
+    /// Keeps some indices of those that are awake.
+    pub(crate) fn keep(&mut self, keep: &[bool]) {
+        self.awake.particles.keep(keep);
+        self.awake.particles.simplify();
+        self.awake.persistent.keep(keep);
+        dense::keep(&mut self.awake.rows, keep);
+        self.forget_indices();
     }
 
     /// The indices of some rows.

@@ -3,9 +3,9 @@
 
 use std::mem;
 
-use super::super::asleep::{Island, Sleepers};
-use super::super::bodies::discs::Persistent;
-use super::super::sleeping::Drift;
+use super::super::bodies::asleep::{Island, Sleepers};
+use super::super::bodies::discs::{Persistent, RecentMotion};
+use super::super::islands::sleep::may_sleep;
 use super::super::touches::WallImpulse;
 use super::super::{Walls, World, WorldSettings};
 use crate::contacts::Contact;
@@ -80,7 +80,11 @@ impl World {
             check_vectors("accelerations", external).map_err(refused)?;
         }
         self.record.check(self.bodies.ids.parts().1, self.settings.track_events)?;
-        ensure(self.bodies.asleep.is_empty() || self.may_sleep(), "nothing can sleep in it")
+        ensure(
+            self.bodies.asleep.is_empty()
+                || may_sleep(&self.settings, &self.influences, &self.walls),
+            "nothing can sleep in it",
+        )
     }
 
     fn check_discs(
@@ -93,8 +97,8 @@ impl World {
         self.settings.container.check_fit(&particles.radii).map_err(refused)?;
         let lengths = check_lengths(persistent, len, |column| column);
         ensure(particles.len() == len && lengths.is_ok(), "its columns have different lengths")?;
-        let is_nan = |drift: &Drift| drift.before.iter().chain(&drift.now).any(|v| v.is_nan());
-        ensure(!persistent.drifts.iter().any(is_nan), "a mean speed is not possible")
+        let is_nan = |of: &RecentMotion| of.before.iter().chain(&of.now).any(|v| v.is_nan());
+        ensure(!persistent.recent_motions.iter().any(is_nan), "a mean speed is not possible")
     }
 
     /// Refuses impulses of walls that do not exist.

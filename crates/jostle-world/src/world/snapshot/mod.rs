@@ -21,7 +21,7 @@ const VERSION: u32 = 9;
 saved! {
     struct World {
         settings, time, bodies, contacts, wall_impulses, influences, walls, external, record, attachment;
-        stats, halo, scratch
+        stats, halo, islands, scratch
     }
 }
 

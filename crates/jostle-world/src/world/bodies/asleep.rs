@@ -9,11 +9,12 @@
 use std::iter;
 use std::ops::Range;
 
-use super::bodies::discs::Discs;
-use super::touches::WallImpulse;
-use super::{MAX_CANDIDATES, WorldSettings};
+use super::discs::Discs;
 use crate::contacts::Contact;
 use crate::particles::Particles;
+use crate::resting::WallImpulse;
+use crate::world::search::MAX_CANDIDATES;
+use crate::world::settings::WorldSettings;
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;

@@ -1,0 +1,271 @@
+//! Waking: islands that something touches, or that a change concerns, return to the columns that a
+//! step works on.
+//!
+//! A step that would touch sleeping islands is undone, they wake, and it is made anew. What would touch
+//! follows from the bounds with which a part of a step begins, and from the histories of
+//! the particles that leave them.
+
+use std::cmp::Ordering;
+
+use super::{Islands, NONE};
+use crate::contacts::{Contact, Contacts};
+use crate::forces::Influences;
+use crate::halo::Halo;
+use crate::resting::WallImpulse;
+use crate::world::bodies::Bodies;
+use crate::world::bodies::asleep::Sleepers;
+use crate::world::bodies::discs::Discs;
+use crate::world::bounds::{FreeDisplacements, rounding};
+use crate::world::distribution::Distribution;
+use crate::world::touches::drop_wall_impulses;
+use crate::world::{StepScratch, World};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::table::Table;
+use jostle_index::shapes::fill_filters;
+
+/// Whether particles sleep and all others are static, so that a step changes nothing.
+pub(crate) fn is_still(bodies: &Bodies, influences: &Influences) -> bool {
+    !bodies.asleep.is_empty()
+        && influences.motors().next().is_none()
+        && (0..bodies.awake.rows.len()).all(|at| bodies.awake.particles.is_static(at))
+}
+
+/// Whether any particle sleeps, on any process.
+pub(crate) fn any_sleeps(bodies: &Bodies, halo: &dyn Distribution) -> bool {
+    !bodies.asleep.is_empty() || halo.agreed().is_some_and(|agreed| agreed.any_sleeps)
+}
+
+/// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any process;
+/// lists the islands of these. The bounds are larger, and depend on other particles.
+pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
+    let World { bodies, halo, islands, scratch, settings, .. } = world;
+    if !any_sleeps(bodies, &**halo) {
+        return Ok(false);
+    }
+    let Bodies { awake: Discs { particles, rows, .. }, asleep, .. } = bodies;
+    let own = halo.own_rows();
+    let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+    // The radius depends on the particle alone, and not on the speeds of others. Static
+    // particles and ghosts touch nothing here: ghosts are tested by their own ranks.
+    let radius = |index: u32| {
+        let at = index as usize;
+        let moves = !particles.is_static(at) && rows[at] < own;
+        let most = scratch.max_displacements[at];
+        let rounding = rounding(particles.positions[at], particles.radii[at], &settings.container);
+        moves.then(|| particles.radii[at] + free.within(particles, at, most) + rounding)
+    };
+    let Islands { join, touched, .. } = islands;
+    asleep.touched(&scratch.tree, radius, settings, (join, touched))?;
+    let of_others = halo.touch_others(&scratch.tree, &radius, settings, join)?;
+    islands.note_touched(&**halo, of_others)
+}
+
+/// The same at the end of a part of a step, with circles around the particles that have left
+/// their bounds, in the order of time or by position correction.
+pub(crate) fn has_left_bounds_to_sleepers(world: &mut World) -> Result<bool> {
+    if !any_sleeps(&world.bodies, &*world.halo) {
+        return Ok(false);
+    }
+    let any_outside = find_circles_outside_limits(world)?;
+    let World { bodies: Bodies { asleep, .. }, halo, islands, settings, .. } = world;
+    if !any_outside {
+        return islands.note_touched(&**halo, false);
+    }
+    let Islands { join, touched, tree, .. } = islands;
+    // The tree holds the right circles already, so every overlap counts.
+    let radius = |_| Some(f32::INFINITY);
+    asleep.touched(tree, radius, settings, (join, touched))?;
+    let of_others = halo.touch_others(tree, &radius, settings, join)?;
+    islands.note_touched(&**halo, of_others)
+}
+
+/// Builds the tree of circles around the particles of this process that have left their bounds; returns
+/// whether there are any.
+fn find_circles_outside_limits(world: &mut World) -> Result<bool> {
+    let World { bodies, scratch, settings, halo, islands, .. } = world;
+    let Discs { particles, rows, .. } = &bodies.awake;
+    let StepScratch { events, limits, motions, .. } = scratch;
+    let own = halo.own_rows();
+    let outside_limits = &mut events.outside_limits;
+    outside_limits.retain(|&(index, _)| rows[index as usize] < own);
+    // Position correction moves particles without an event, so the last positions are tested,
+    // too.
+    for (index, &limit) in limits.iter().enumerate() {
+        let ([x, y], [u, v]) = (motions.position(index as u32), particles.positions[index]);
+        let [x, y] = [x - u, y - v].map(f64::from);
+        let distance = (x * x + y * y).sqrt();
+        if distance > f64::from(limit) {
+            outside_limits.push((index as u32, distance));
+        }
+    }
+    if outside_limits.is_empty() {
+        return Ok(false);
+    }
+    let Islands { shapes, tree, .. } = islands;
+    let index = |&(index, _): &(u32, f64)| index as usize;
+    let columns = shapes.columns_mut();
+    columns.centers.clear();
+    columns.centers.extend(outside_limits.iter().map(|of| particles.positions[index(of)]));
+    let radii = columns.radii.rows_mut();
+    radii.clear();
+    // The distance is rounded to float32; the factor is a reserve for that.
+    radii.extend(outside_limits.iter().map(|of| {
+        let (position, radius) = (particles.positions[index(of)], particles.radii[index(of)]);
+        let rounding = rounding(position, radius, &settings.container);
+        radius + of.1 as f32 * 1.000_01 + rounding
+    }));
+    let filters = if particles.filters.is_empty() { &[][..] } else { &outside_limits[..] };
+    let filters = filters.iter().map(|of| particles.filter(index(of)));
+    fill_filters(filters, columns.filters);
+    tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
+    Ok(true)
+}
+
+impl Islands {
+    /// Begins an attempt at a step, which meets no sleeping particle so far.
+    pub(crate) fn begin_attempt(&mut self) {
+        self.meets_sleepers = false;
+    }
+
+    /// Notes whether the attempt would touch any islands of any process: those listed, or some `of_others`.
+    fn note_touched(&mut self, halo: &dyn Halo, of_others: bool) -> Result<bool> {
+        // All ranks must repeat the attempt, also those that meet no sleeper.
+        let any = of_others || !self.touched.is_empty();
+        self.meets_sleepers = halo.any(any)?;
+        Ok(self.meets_sleepers)
+    }
+}
+
+/// Wakes the islands that an attempt has touched, or all.
+pub(crate) fn wake_touched(world: &mut World, all: bool) -> Result<()> {
+    let mut touched = std::mem::take(&mut world.islands.touched);
+    world.halo.protocol().wake_touched(world, &touched, all)?;
+    touched.clear();
+    world.islands.touched = touched;
+    Ok(())
+}
+
+/// Wakes islands. A step that fails takes that back with [`cancel_waking`]; [`forget_woken`] makes it final.
+pub(crate) fn wake(world: &mut World, islands: &[u32]) {
+    if islands.is_empty() {
+        return;
+    }
+    let total = world.bodies.len();
+    world.halo.protocol().recall_contacts(world, islands);
+    let World { bodies, contacts, wall_impulses, islands: Islands { indices, .. }, .. } = world;
+    let woken = bodies.asleep.wake(islands);
+    indices.resize(total.max(indices.len()), NONE);
+    append(&woken, bodies, contacts, wall_impulses, indices);
+}
+
+/// Appends islands that wake to the columns, with their contacts and the impulses of walls. `indices` has [`NONE`] for
+/// each row, before and after.
+fn append(
+    woken: &Sleepers,
+    bodies: &mut Bodies,
+    all_contacts: &mut Contacts,
+    all_impulses: &mut Vec<WallImpulse>,
+    indices: &mut [u32],
+) {
+    let Discs { particles, rows, persistent } = &woken.discs;
+    let first = bodies.awake.rows.len();
+    let len = first + rows.len();
+    // At the end of the columns: the tree of the next attempt sorts them, so no result depends
+    // on it.
+    bodies.awake.particles.extend(particles);
+    bodies.awake.rows.extend_from_slice(rows);
+    bodies.awake.persistent.append(first, persistent, rows.len());
+    bodies.forget_indices();
+    all_impulses.extend_from_slice(&woken.wall_impulses);
+    all_impulses.sort_by_key(|of| (of.row, of.wall));
+    // Contacts are with each other or with immovable particles.
+    let (rows, movable) = (&bodies.awake.rows, &bodies.awake.particles.movable);
+    let named = || (0..len).filter(|&index| index >= first || !movable[index]);
+    named().for_each(|index| indices[rows[index] as usize] = index as u32);
+    let contacts = woken.contacts.iter().map(|contact| Contact {
+        indices: contact.indices.map(|row| indices[row as usize]),
+        ..*contact
+    });
+    all_contacts.insert(contacts, len);
+    named().for_each(|index| indices[rows[index] as usize] = NONE);
+}
+
+/// Wakes all islands.
+pub(crate) fn wake_all(world: &mut World) {
+    wake_every_island(world);
+    forget_woken(world);
+}
+
+/// The same, in a step that may fail.
+pub(crate) fn wake_every_island(world: &mut World) {
+    let all: Vec<u32> = world.bodies.asleep.islands().collect();
+    wake(world, &all);
+}
+
+/// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of
+/// which only the velocities have changed.
+pub(crate) fn wake_driven(world: &mut World, rows: &mut [u32]) {
+    let World { bodies, influences, .. } = &*world;
+    if bodies.asleep.is_empty() || rows.is_empty() {
+        return;
+    }
+    rows.sort_unstable();
+    let mut islands = bodies.asleep.islands_touching(rows);
+    let is_driven = |row: &Id| rows.binary_search(&(*row as u32)).is_ok();
+    let all = influences.springs().flat_map(|springs| &springs.0);
+    let tied = all.map(|spring| spring.pair).filter(|pair| pair.iter().any(is_driven));
+    let tied: Vec<u32> = tied.flatten().map(|row| row as u32).collect();
+    islands.extend(bodies.islands_of(&bodies.indices_of(&tied)));
+    islands.sort_unstable();
+    islands.dedup();
+    wake_to_stay(world, &islands);
+}
+
+/// Wakes the islands of some rows; all if one of these is immovable.
+pub(crate) fn wake_changed(world: &mut World, rows: &[u32]) {
+    let bodies = &world.bodies;
+    if bodies.asleep.is_empty() {
+        return;
+    }
+    let indices = bodies.indices_of(rows);
+    // It is not known which islands rest on an immovable particle, or will overlap it where it
+    // goes.
+    if indices.iter().any(|&index| bodies.is_immovable(index)) {
+        return wake_all(world);
+    }
+    let islands = bodies.islands_of(&indices);
+    wake_to_stay(world, &islands);
+}
+
+/// Wakes islands between two steps.
+pub(crate) fn wake_to_stay(world: &mut World, islands: &[u32]) {
+    wake(world, islands);
+    forget_woken(world);
+}
+
+/// Makes waking final.
+pub(crate) fn forget_woken(world: &mut World) {
+    world.bodies.asleep.forget_woken();
+    world.halo.protocol().drop_contacts(world);
+    world.bodies.forget_indices();
+}
+
+/// Puts the islands to sleep again that were woken for a step that failed.
+pub(crate) fn cancel_waking(
+    bodies: &mut Bodies,
+    contacts: &mut Contacts,
+    wall_impulses: &mut Vec<WallImpulse>,
+) {
+    let woken = bodies.asleep.woken_rows();
+    if woken.is_empty() {
+        return;
+    }
+    let is_asleep = |row: &u32| woken.binary_search(row).is_ok();
+    let keep: Vec<bool> = bodies.awake.rows.iter().map(|row| !is_asleep(row)).collect();
+    drop_wall_impulses(wall_impulses, woken);
+    bodies.keep(&keep);
+    contacts.retain(&keep);
+    bodies.asleep.cancel_waking();
+    bodies.forget_indices();
+}
