@@ -6,13 +6,14 @@ use std::collections::HashMap;
 use super::domain::{domain_of, domain_of_mut};
 use super::islands::SleepingContact;
 use crate::contacts::Contact;
+use crate::resting::WallImpulse;
 use crate::world::World;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
 use crate::world::bodies::discs::Persistent;
-use crate::world::islands::sleep::{remove_sleepers, take_wall_impulses};
-use crate::world::touches::{Touch, WallImpulse, touch_of};
+use crate::world::islands::sleep::remove_sleepers;
+use crate::world::touches::{Touch, touch_of};
 use jostle_base::bytes::{Plain, Reader, append, damaged, read_all};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -171,7 +172,7 @@ pub fn own_kept(world: &World) -> [Vec<u8>; 5] {
     let all = resting_of_own(world);
     // Both ranks of a pair know the contact. The rank of the first particle writes it.
     all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| append(resting, *of));
-    for of in world.wall_impulses.iter().filter(|of| domain.owns(of.row)) {
+    for of in world.boundaries.impulses.iter().filter(|of| domain.owns(of.row)) {
         put_push(pushes, domain.id(of.row), of);
     }
     let Sleepers { discs, islands, .. } = world.bodies.asleep.sleepers();
@@ -247,10 +248,8 @@ pub(super) fn take_kept_of(
             len: count,
         })?;
     }
-    for push in read_all::<Push>(pushes) {
-        world.wall_impulses.push(push.of_row(row_of(push.id)?));
-    }
-    world.wall_impulses.sort_by_key(|of| (of.row, of.wall));
+    let pushes = read_all::<Push>(pushes).map(|push| Ok(push.of_row(row_of(push.id)?)));
+    world.boundaries.insert(pushes.collect::<Result<Vec<_>>>()?.into_iter());
     take_resting(world, rows, resting.into_iter())
 }
 
@@ -285,7 +284,7 @@ fn restore_sleepers(
     }
     islands.members.sort_unstable();
     let mut new = islands.take(&world.bodies.awake);
-    take_wall_impulses(&world.wall_impulses, &mut new);
+    world.boundaries.copy_to(&mut new);
     if world.halo.is_whole() {
         new.set_contacts(contacts_of_rows(&new, &touches, row_of)?);
     } else {

@@ -122,7 +122,7 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     wake_edited(world, &[], &rows)?;
     let shifted = world.take_out(&gone);
     let domain = domain_of_mut(world);
-    crate::world::edits::retain_unless(&mut domain.ids, &gone);
+    crate::world::bodies::ids::retain_unless(&mut domain.ids, &gone);
     domain.own = domain.ids.len();
     domain.total -= ids.len();
     domain.resting.retain_mut(|of| {

@@ -89,7 +89,7 @@ pub(super) fn renew_ghosts(world: &mut World, dt: f32) -> Result<()> {
     drop_ghosts(world);
     // Lists by rows lose what belongs to ghosts that are gone.
     let own = world.halo.own_rows();
-    world.scratch.wall_pushes.retain(|of| of.row < own);
+    world.boundaries.pushes.retain(|of| of.row < own);
     world.scratch.exhausted.retain(|&row| row < own);
     exchange_ghosts(world, dt)?;
     let exhausted = std::mem::take(&mut world.scratch.exhausted);

@@ -14,9 +14,9 @@ use crate::particles::Particles;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
-use crate::world::edits::{renumber, retain_unless};
+use crate::world::bodies::ids::{renumber, retain_unless};
+use crate::world::boundaries::Boundaries;
 use crate::world::merge::{joint_acceleration, union};
-use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
@@ -169,7 +169,7 @@ fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
     let Some(domain) = domain_of(world) else { return Vec::new() };
     let mut to = vec![Vec::new(); locked(&domain.group).size()];
     let mut pushes: HashMap<u32, Vec<Push>> = HashMap::new();
-    for of in &world.wall_impulses {
+    for of in &world.boundaries.impulses {
         pushes.entry(of.row).or_default().push(Push::new(0, of));
     }
     for &Member { index, island, rank } in members {
@@ -250,12 +250,13 @@ fn write_merged(world: &mut World, members: &[Member], merged: &[Merged], starts
         .map(|of| (of.island, of.index))
         .collect();
     let World {
-        bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, wall_impulses, ..
+        bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, boundaries, ..
     } = world;
-    let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
+    let StepScratch { exhausted, starts: own_starts, .. } = scratch;
+    let Boundaries { impulses, pushes, .. } = boundaries;
     // What belonged to members comes back with the merged particle, from all ranks.
-    wall_impulses.retain(|of| !has_merged[of.row as usize]);
-    wall_pushes.retain(|of| !has_merged[of.row as usize]);
+    impulses.retain(|of| !has_merged[of.row as usize]);
+    pushes.retain(|of| !has_merged[of.row as usize]);
     exhausted.retain(|&row| !has_merged[row as usize]);
     for of in merged {
         let Some(&index) = heirs.get(&of.island) else { continue };
@@ -266,8 +267,7 @@ fn write_merged(world: &mut World, members: &[Member], merged: &[Merged], starts
         );
         particles.put(len, at, &of.particle, 0);
         own_starts.put(len, at, starts, of.first);
-        let pushes = of.pushes.iter().map(|push| push.of_row(row));
-        wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
+        impulses.extend(of.pushes.iter().map(|push| push.of_row(row)));
         exhausted.extend(of.is_exhausted.then_some(row));
         if let Some(external) = &mut world.external {
             external[row as usize] = of.external;
@@ -293,9 +293,8 @@ fn remove_members(world: &mut World, members: &[Member]) {
     let keep: Vec<bool> = world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
     world.scratch.starts.keep(&keep);
     let shifted = world.take_out(&gone);
-    let StepScratch { wall_pushes, exhausted, .. } = &mut world.scratch;
-    renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
-    renumber(exhausted, |row| row, (&gone, &shifted));
+    world.boundaries.renumber_pushes(&gone, &shifted);
+    renumber(&mut world.scratch.exhausted, |row| row, (&gone, &shifted));
     world.bodies.ids = Ids::of_rows(world.bodies.awake.rows.len());
     let domain = domain_of_mut(world);
     retain_unless(&mut domain.ids, &gone);

@@ -16,7 +16,8 @@ use crate::world::World;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
-use crate::world::edits::retain_unless;
+use crate::world::bodies::ids::retain_unless;
+use crate::world::boundaries::Boundaries;
 use jostle_base::bytes::{Plain, append, read_all};
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
@@ -50,7 +51,7 @@ pub fn drop_ghosts(world: &mut World) {
         external,
         ..
     } = world;
-    let wall_impulses = &mut world.wall_impulses;
+    let impulses = &mut world.boundaries.impulses;
     let domain = Domain::of_mut(&mut **halo);
     let own = domain.own;
     // A step sorts own particles and ghosts together. The gaps are filled from the end: the tree of
@@ -76,7 +77,7 @@ pub fn drop_ghosts(world: &mut World) {
         rows.truncate(awake);
         domain.ids.truncate(own);
         external.iter_mut().for_each(|external| external.truncate(own));
-        wall_impulses.retain(|of| (of.row as usize) < own);
+        impulses.retain(|of| (of.row as usize) < own);
         *ids = Ids::of_rows(own);
     }
     // They name indices of ghosts; what is needed of them is kept by ids.
@@ -181,7 +182,7 @@ fn renumber(world: &mut World) {
     let World {
         bodies: Bodies { awake: Discs { rows, .. }, asleep, .. },
         halo,
-        wall_impulses,
+        boundaries: Boundaries { impulses, .. },
         external,
         ..
     } = world;
@@ -197,8 +198,8 @@ fn renumber(world: &mut World) {
     for of in &mut domain.resting {
         of.rows = of.rows.map(|row| new.get(row as usize).copied().unwrap_or(NONE));
     }
-    wall_impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
-    wall_impulses.sort_by_key(|of| (of.row, of.wall));
+    impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
+    impulses.sort_by_key(|of| (of.row, of.wall));
     (0..).zip(rows).for_each(|(index, row)| *row = index);
     world.bodies.forget_indices();
 }
@@ -243,7 +244,7 @@ fn leaving(world: &World, keys: &[u64], cuts: &[u64]) -> Leaving {
             append(&mut leaving.resting[destination], *of);
         }
     }
-    for of in &world.wall_impulses {
+    for of in &world.boundaries.impulses {
         if let Some(&destination) = leaving.destinations.get(&of.row) {
             put_push(&mut leaving.pushes[destination], domain.id(of.row), of);
         }
@@ -270,7 +271,7 @@ fn leave(world: &mut World, destinations: &HashMap<u32, usize>) -> usize {
     world.external.iter_mut().for_each(|external| retain_unless(external, &gone));
     world.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
     world.bodies.asleep.renumber(&shifted);
-    world.wall_impulses.retain_mut(|of| {
+    world.boundaries.impulses.retain_mut(|of| {
         of.row = shifted[of.row as usize];
         of.row != NONE
     });

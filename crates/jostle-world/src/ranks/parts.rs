@@ -88,7 +88,7 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
     world.check_wall_impulses()?;
     world.check_sleeping()?;
     if !world.bodies.asleep.is_empty()
-        && !may_sleep(&world.settings, &world.influences, &world.walls)
+        && !may_sleep(&world.settings, &world.influences, &world.boundaries.walls)
     {
         return Err(damaged("nothing can sleep in it"));
     }

@@ -76,7 +76,7 @@ impl Protocol for Ranks {
         // All ranks have learned in `sum_up` that nothing moves, so none waits for this one.
         if domain.is_still {
             domain.steps += 1;
-            world.wall_impulses.clear();
+            world.boundaries.impulses.clear();
             world.stats = Stats::default();
             return Ok(false);
         }

@@ -70,15 +70,15 @@ impl Walls {
         self.any_moves |= self.all[index].moves();
     }
 
-    /// Begins a step of `dt` seconds.
-    pub fn begin_step(&mut self, settings: Settings, dt: f64) -> Result<()> {
+    /// Begins a part of a step, of `dt` seconds.
+    pub fn begin_part(&mut self, settings: Settings, dt: f64) -> Result<()> {
         self.any_moves = self.any_moves && self.all.iter().any(Wall::moves);
         // Walls that stand still keep the tree of `Walls::new`.
         if self.any_moves { self.build(settings, dt) } else { Ok(()) }
     }
 
-    /// Moves the walls to the end of a step of `dt` seconds.
-    pub fn end_step(&mut self, dt: f64) {
+    /// Moves the walls to the end of a part of `dt` seconds.
+    pub fn end_part(&mut self, dt: f64) {
         if self.any_moves {
             self.advance(dt);
         }

@@ -102,13 +102,13 @@ impl World {
             bodies: Bodies { awake: Discs { particles, .. }, .. },
             scratch,
             settings,
-            walls,
+            boundaries,
             halo,
             ..
         } = self;
         scratch.lossy.clear();
         // Contacts of stiff springs are solved as resting ones, also where nothing loses energy.
-        let all = settings.restitution < 1.0 || !walls.are_elastic();
+        let all = settings.restitution < 1.0 || !boundaries.walls.are_elastic();
         if is_lossless || all || scratch.forces.are_springs_stiff {
             return false;
         }

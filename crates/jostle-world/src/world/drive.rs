@@ -42,8 +42,8 @@ impl World {
             }
             for &wall in &motor.walls {
                 let wall = wall as usize;
-                before.walls.push((wall, self.walls.all()[wall].velocity));
-                self.walls.set_velocity(wall, drive.velocity());
+                before.walls.push((wall, self.walls()[wall].velocity));
+                self.boundaries.walls.set_velocity(wall, drive.velocity());
             }
         }
         before
@@ -60,7 +60,7 @@ impl World {
             self.bodies.awake.particles.set_angular_velocity(index, angular_velocity);
         }
         for (wall, velocity) in before.walls.into_iter().rev() {
-            self.walls.set_velocity(wall, velocity);
+            self.boundaries.walls.set_velocity(wall, velocity);
         }
         // An angular velocity may have added the column of spins.
         self.bodies.awake.particles.simplify();

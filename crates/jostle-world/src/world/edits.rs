@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::World;
 use super::bodies::discs::RecentMotion;
+use super::bodies::ids::retain_unless;
 use super::islands::wake::{wake_all, wake_changed};
 use crate::particles::{Changes, Effect, Particles};
 use jostle_base::error::{Error, Result};
@@ -69,7 +70,7 @@ impl World {
         // Columns of awake particles are by index; `gone` and `shifted` are by row.
         let keep: Vec<bool> =
             self.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
-        renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
+        self.boundaries.renumber(gone, &shifted);
         self.bodies.keep(&keep);
         self.contacts.retain(&keep);
         self.bodies.ids.remove(gone);
@@ -194,24 +195,4 @@ impl World {
         }
         self.halo.protocol().wake_edited(self, &mut driven, &changed)
     }
-}
-
-/// Removes what belongs to removed rows, and gives the rest the rows that they have then.
-pub(crate) fn renumber<V>(
-    all: &mut Vec<V>,
-    row: impl Fn(&mut V) -> &mut u32,
-    (gone, shifted): (&[bool], &[u32]),
-) {
-    all.retain_mut(|of| {
-        let row = row(of);
-        let stays = !gone[*row as usize];
-        *row = shifted[*row as usize];
-        stays
-    });
-}
-
-/// Removes some values of a column.
-pub(crate) fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
-    let mut gone = gone.iter();
-    column.retain(|_| gone.next().is_some_and(|&gone| !gone));
 }

@@ -5,8 +5,8 @@
 //! touching particles merges into one. If merged particles overlap others, these merge too, in
 //! a limited number of iterations.
 
-use super::edits::renumber;
-use super::{OnTouch, StepScratch, World};
+use super::bodies::ids::renumber;
+use super::{OnTouch, World};
 use crate::container::Container;
 use crate::motion::Motions;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
@@ -194,9 +194,8 @@ impl World {
         self.inherit(heirs);
         let shifted = self.take_out(&gone);
         // The step still needs these.
-        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
-        renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
-        renumber(exhausted, |row| row, (&gone, &shifted));
+        self.boundaries.renumber_pushes(&gone, &shifted);
+        renumber(&mut self.scratch.exhausted, |row| row, (&gone, &shifted));
         self.influences.renumber(|row| Some(Id::from(shifted[heirs[row as usize] as usize])));
         self.record.add_merged(merged);
         self.end_external_of_none()
@@ -210,9 +209,8 @@ impl World {
             has_merged[row] = true;
             has_merged[heir as usize] = true;
         }
-        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
-        wall_pushes.retain(|of| !has_merged[of.row as usize]);
-        self.wall_impulses.iter_mut().for_each(|of| of.row = heirs[of.row as usize]);
+        self.boundaries.inherit(heirs, &has_merged);
+        let exhausted = &mut self.scratch.exhausted;
         exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
         exhausted.sort_unstable();
         exhausted.dedup();

@@ -1,12 +1,13 @@
 //! The world: particles that move and collide.
 //!
 //! A [`World`] composes parts, each with its own data and functions: [`bodies`], the particles, awake and asleep;
-//! `walls` and the container in `settings`; `influences`, forces and what else acts on particles; `contacts` with the
+//! [`boundaries`], the container and the walls; `influences`, forces and what else acts on particles; `contacts` with the
 //! impulses for warm starting; [`record`], what happened; `halo`, the processes that share the world. `step` has the
 //! order of a step and `plan` what its stages do; the files of the stages are named after them. What a step works on is in
 //! [`StepScratch`], and what it changes it can undo ([`undo`]).
 
 pub(crate) mod bodies;
+pub(crate) mod boundaries;
 pub(crate) mod bounds;
 pub(crate) mod contacts;
 pub(crate) mod distribution;
@@ -42,10 +43,11 @@ use crate::flow::Kick;
 use crate::forces::{Influence, Influences, WallTemperatures};
 use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
-use crate::resting::{Resting, WallImpulse};
-use crate::walls::{self, Wall, Walls, index_of};
+use crate::resting::Resting;
+use crate::walls::{Wall, Walls};
 use bodies::discs::Discs;
 pub use bodies::{Bodies, Defaults};
+use boundaries::Boundaries;
 use distribution::{Agreement, Distribution};
 use force_step::ForceScratch;
 use islands::Islands;
@@ -139,14 +141,13 @@ pub struct World {
     pub(crate) settings: WorldSettings,
     /// Forces, springs, motors and thermostats. They refer to particles by rows.
     pub(crate) influences: Influences,
-    pub(crate) walls: Walls,
+    /// The container and the walls, and the impulses that they gave.
+    pub(crate) boundaries: Boundaries,
     /// The accelerations of the rows by forces of the caller, if there are any on any process.
     pub(crate) external: Option<Vec<[f32; 2]>>,
     /// The particles.
     pub(crate) bodies: Bodies,
     pub(crate) contacts: Contacts,
-    /// The impulses that walls gave in the last step, sorted by row.
-    pub(crate) wall_impulses: Vec<WallImpulse>,
     pub(crate) time: f64,
     /// Text of the caller, see [`World::attachment`].
     pub(crate) attachment: Option<String>,
@@ -176,14 +177,6 @@ pub(crate) struct StepScratch {
     pub(crate) exhausted: Vec<u32>,
     pub(crate) touching: touching::Scratch,
     pub(crate) events: Events,
-    /// The impulses of resting contacts with walls in a part of the step.
-    pub(crate) wall_impulses: Vec<WallImpulse>,
-    /// Those of the last sub-step, sorted by row and wall.
-    pub(crate) wall_pushes: Vec<WallImpulse>,
-    /// Those of the sub-step that is computed.
-    pub(crate) new_wall_pushes: Vec<WallImpulse>,
-    /// The walls near each particle.
-    pub(crate) near_walls: walls::Near,
     pub(crate) shapes: Shapes<f32>,
     pub(crate) tree: Quadtree<f32>,
     pub(crate) motions: Motions,
@@ -262,7 +255,7 @@ impl World {
             None
         } else {
             self.influences.check_sides(settings.container)?;
-            let walls = self.walls.all().to_vec();
+            let walls = self.walls().to_vec();
             Some(Walls::new(walls, settings.container, settings.tree)?)
         };
         // The method, the tree and the tracking of events change no result, so nothing wakes for
@@ -273,23 +266,23 @@ impl World {
             self.bodies.awake.persistent.recent_motions.clear();
         }
         if let Some(walls) = new_walls {
-            self.walls = walls;
+            self.boundaries.walls = walls;
             // The numbers of sides have another meaning in another container, and the scales of
             // domains have the period of the old one.
-            self.wall_impulses.clear();
+            self.boundaries.impulses.clear();
             self.halo.forget_domains();
         }
         if track_events != self.settings.track_events {
             self.record.forget_pairs();
         }
         self.settings = settings;
-        self.walls.set_sides(settings.side_restitutions());
+        self.boundaries.walls.set_sides(settings.side_restitutions());
         Ok(())
     }
 
     /// The walls, without those of the container.
     pub fn walls(&self) -> &[Wall] {
-        self.walls.all()
+        self.boundaries.walls.all()
     }
 
     /// Changes the walls. If they are refused, the old ones stay. All particles wake. Particles that
@@ -300,14 +293,7 @@ impl World {
         walls.set_sides(self.settings.side_restitutions());
         wake_all(self);
         self.bodies.awake.persistent.recent_motions.clear();
-        // A wall that keeps its ends keeps its impulses for warm starting, so that a pile on it
-        // stays at rest when another wall changes.
-        let is_kept = |index: u32| {
-            let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(index as usize));
-            old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
-        };
-        self.wall_impulses.retain(|of| index_of(of.wall).is_none_or(is_kept));
-        self.walls = walls;
+        self.boundaries.replace_walls(walls);
         Ok(())
     }
 
@@ -347,7 +333,7 @@ impl World {
         influences.validate(|id| self.bodies.contains(id))?;
         influences.check_fit(self.settings.container)?;
         influences.check_sides(self.settings.container)?;
-        influences.check_walls(self.walls.all().len())?;
+        influences.check_walls(self.walls().len())?;
         self.check_motors(&influences)?;
         influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
         wake_all(self);

@@ -138,7 +138,7 @@ impl World {
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
             && self.bodies.awake.particles.restitutions.chunks(256).all(elastic)
-            && self.walls.are_elastic()
+            && self.boundaries.walls.are_elastic()
             && !self.bodies.awake.particles.has_friction()
     }
 

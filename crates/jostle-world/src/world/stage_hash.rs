@@ -37,7 +37,7 @@ impl World {
             }
             Stage::Resting => {
                 self.mix_kicks(&mut hash);
-                for push in &self.scratch.wall_pushes {
+                for push in &self.boundaries.pushes {
                     hash.mix_value([push.row, push.wall]);
                     hash.mix_value(push.pushes);
                 }

@@ -12,8 +12,7 @@ use super::islands::wake::{
     wake_touched,
 };
 use super::plan::Plan;
-use super::search::MAX_CANDIDATES;
-use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
+use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search};
 use crate::events::MAX_COLLISIONS;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
@@ -61,7 +60,7 @@ impl World {
     /// Makes a step in which nothing moves.
     fn skip_step(&mut self) -> Result<()> {
         interrupt::check()?;
-        self.wall_impulses.clear();
+        self.boundaries.impulses.clear();
         self.stats = Stats::default();
         self.record.skip_step();
         Ok(())
@@ -108,15 +107,15 @@ impl World {
             // none waits for a message that never comes.
             protocol.begin_step(world);
             world.check_displacements(single)?;
-            world.walls.check_displacements(f64::from(single))?;
+            world.boundaries.walls.check_displacements(f64::from(single))?;
             if !protocol.migrate(world)? {
                 return Ok(());
             }
             // Between attempts the islands must stay awake, so waking is taken back only here.
             repeat(world).inspect_err(|_| {
                 protocol.give_up(world);
-                let World { bodies, contacts, wall_impulses, .. } = world;
-                cancel_waking(bodies, contacts, wall_impulses);
+                let World { bodies, contacts, boundaries, .. } = world;
+                cancel_waking(bodies, contacts, boundaries);
             })
         });
         if done.is_err() {
@@ -140,8 +139,7 @@ impl World {
         }
         // From here on the attempt counts, unless there is an error.
         self.apply_andersen(dt as f32, plan.threads);
-        self.keep_wall_pushes();
-        touches::add_up(&mut self.wall_impulses);
+        self.boundaries.end_attempt();
         if self.settings.track_events {
             let touching = self.contacts.touching().map(|contact| contact.indices);
             self.record_pairs(&touching.collect::<Vec<_>>());
@@ -192,7 +190,9 @@ impl World {
             // Only the contacts show which heavy particles press on light ones.
             let refinement = self.make_contacts(&plan)?;
             let plan = self.refined(plan, refinement);
-            self.find_near_walls(&plan)?;
+            let StepScratch { tree, max_displacements, usual_speed, .. } = &self.scratch;
+            let bounds = (&max_displacements[..], SPARE * *usual_speed * plan.horizon);
+            self.boundaries.find_near(tree, bounds, &self.settings, f64::from(dt))?;
             watch(Stage::Contacts, self);
             self.load_motions(&plan);
             self.run_substeps(&plan, watch)?;
@@ -206,7 +206,7 @@ impl World {
                 return Ok(plan);
             }
             // The results of the sub-steps are in `motions` so far; from here on they go to the columns.
-            self.walls.end_step(f64::from(dt));
+            self.boundaries.walls.end_part(f64::from(dt));
             self.collect_touches(plan.threads);
             self.store_motions(plan.threads)?;
             self.break_springs();
@@ -237,15 +237,6 @@ impl World {
         let own = all.filter(|of| *of.0 < self.halo.own_rows());
         let most = own.map(|(&row, &count)| (Reverse(count), self.id_among_all(row))).min();
         Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
-    }
-
-    /// Finds the walls that may come near each particle in the part.
-    fn find_near_walls(&mut self, plan: &Plan) -> Result<()> {
-        self.walls.begin_step(self.settings.tree, f64::from(plan.dt))?;
-        let StepScratch { near_walls, tree, max_displacements, usual_speed, .. } =
-            &mut self.scratch;
-        let bounds = (&max_displacements[..], SPARE * *usual_speed * plan.horizon);
-        near_walls.fill(&self.walls, tree, bounds, self.settings.method, MAX_CANDIDATES)
     }
 
     /// Builds the tree of the bounds.

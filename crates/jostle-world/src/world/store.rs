@@ -42,7 +42,7 @@ impl World {
         let Particles { positions, residuals, velocities, spins, .. } =
             &mut self.bodies.awake.particles;
         let motions = &scratch.motions;
-        let is_infinite = scratch.wall_pushes.iter().any(|of| !of.pushes[0].is_finite());
+        let is_infinite = self.boundaries.pushes.iter().any(|of| !of.pushes[0].is_finite());
         let (any, period) = (AtomicBool::new(is_infinite), settings.container.period());
         let chunks = || (0..).step_by(STORED);
         let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
@@ -79,7 +79,7 @@ impl World {
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |index: usize| self.scratch.motions.get(index as u32);
-        let infinite = self.scratch.wall_pushes.iter().filter(|of| !of.pushes[0].is_finite());
+        let infinite = self.boundaries.pushes.iter().filter(|of| !of.pushes[0].is_finite());
         let infinite: HashMap<u32, f32> = infinite.map(|of| (of.row, of.pushes[0])).collect();
         let push = |index: usize| {
             infinite.get(&self.bodies.awake.rows[index]).copied().unwrap_or_default()

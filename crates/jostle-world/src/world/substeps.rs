@@ -1,6 +1,7 @@
 //! The sub-steps of a step. In each, forces and resting contacts give kicks, then all particles fly and
 //! collide in the order of time, then overlaps are corrected.
 
+use super::boundaries::{Boundaries, around};
 use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::islands::wake::any_sleeps;
 use super::merge;
@@ -11,9 +12,8 @@ use crate::flow::{Flow, Kick};
 use crate::forces::springs::Surroundings;
 use crate::halo::Halo;
 use crate::motion::Motion;
-use crate::particles::Particles;
-use crate::resting::{Support, WallImpulse};
-use crate::walls::{Around, Clock, Near, Walls};
+use crate::resting::Support;
+use crate::walls::Clock;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
@@ -92,11 +92,7 @@ impl World {
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
         scratch.wall_temperatures.fill(self.influences.thermal_walls(), self.time);
-        scratch.wall_impulses.clear();
-        // Nothing will read or renew the pushes of the step before.
-        if !plan.may_rest {
-            scratch.wall_pushes.clear();
-        }
+        self.boundaries.begin_substeps(plan.may_rest);
         let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
         Substeps { plan, flow, smallest_radius: smallest(&particles.radii) }
     }
@@ -145,10 +141,10 @@ impl World {
             bodies: Bodies { awake: Discs { particles, .. }, .. },
             scratch,
             contacts,
-            walls,
+            boundaries,
             ..
         } = self;
-        let StepScratch { forces, motions, kicks, near_walls, .. } = scratch;
+        let StepScratch { forces, motions, kicks, .. } = scratch;
         if !common.plan.has_kicks() {
             return Ok(());
         }
@@ -160,7 +156,7 @@ impl World {
                 let surroundings = Surroundings {
                     particles,
                     motions,
-                    walls: around(walls, near_walls, particles, common.clock(substep)),
+                    walls: boundaries.around(particles, common.clock(substep)),
                     kicks,
                     flow: &common.flow,
                 };
@@ -187,9 +183,10 @@ impl World {
             settings,
             scratch,
             halo,
+            boundaries,
             ..
         } = self;
-        let StepScratch { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = scratch;
+        let Boundaries { walls, near, pushes, new_pushes: new, .. } = boundaries;
         let springs = &mut scratch.forces.sprung;
         let clock = common.clock(substep);
         let scene = Support {
@@ -199,19 +196,16 @@ impl World {
             spins: &scratch.spins,
             has_friction: common.plan.has_friction,
             flow: &common.flow,
-            walls: around(&self.walls, &scratch.near_walls, particles, clock),
+            walls: around(walls, near, particles, clock),
             rows: &self.bodies.awake.rows,
-            wall_impulses: wall_pushes,
+            wall_impulses: pushes,
             restitution: settings.restitution,
             halo: &**halo,
             shape: scratch.contact_shape,
             threads: common.plan.threads,
         };
-        scratch.resting.support(&scene, &mut self.contacts, new, springs, kicks)?;
-        // The impulses of all sub-steps are reported. The pushes of the last one alone begin the
-        // next step.
-        wall_impulses.extend(new.iter().map(|of| WallImpulse { pushes: [0.0; 2], ..*of }));
-        std::mem::swap(new, wall_pushes);
+        scratch.resting.support(&scene, &mut self.contacts, new, springs, &mut scratch.kicks)?;
+        self.boundaries.end_resting();
         Ok(())
     }
 
@@ -245,7 +239,7 @@ impl World {
             begins_step: substep == 0,
             halo: &**halo,
             bounded: substep == 0 && common.plan.is_bounded,
-            walls: around(&self.walls, &scratch.near_walls, particles, common.clock(substep)),
+            walls: self.boundaries.around(particles, common.clock(substep)),
             restitution: settings.restitution,
             is_lossless: common.plan.is_lossless,
             lossy: &scratch.lossy,
@@ -271,9 +265,9 @@ impl World {
     fn correct_positions(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
         let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, halo, .. } =
             self;
-        let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
+        let StepScratch { motions, correction, candidate_merges, .. } = scratch;
         // At the end of the sub-step, where the particles are.
-        let walls = around(&self.walls, near_walls, particles, common.clock(substep + 1));
+        let walls = self.boundaries.around(particles, common.clock(substep + 1));
         let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);
         let threads = common.plan.threads;
         correction.run(&mut self.contacts, motions, particles, walls, shared, threads)?;
@@ -291,14 +285,4 @@ fn smallest(radii: &[f32]) -> f32 {
         positive.fold(f32::INFINITY, |a, b| if b < a { b } else { a })
     };
     radii.chunks(256).map(of).fold(f32::INFINITY, f32::min)
-}
-
-/// The walls near each particle at a time of the step.
-fn around<'a>(
-    walls: &'a Walls,
-    near: &'a Near,
-    particles: &'a Particles,
-    clock: Clock,
-) -> Around<'a> {
-    Around { container: walls.container(), walls, near, particles, clock }
 }

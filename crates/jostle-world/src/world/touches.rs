@@ -1,10 +1,10 @@
 //! What touched during the last step, and with which impulses.
 
 use super::{OnTouch, World};
-use crate::contacts::{Contact, sum_of_impulses};
+use crate::contacts::Contact;
 use crate::events::{Bounce, WALL};
 use crate::motion::exact;
-pub(crate) use crate::resting::WallImpulse;
+use crate::resting::WallImpulse;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::Result;
@@ -43,27 +43,6 @@ pub struct WallTouch {
     pub friction_impulse: f32,
 }
 
-/// Sorts the impulses of a step, and adds up those of the same particle and wall.
-pub(crate) fn add_up(all: &mut Vec<WallImpulse>) {
-    // Sums depend on the order, so equal numbers decide the rest.
-    all.sort_unstable_by_key(|of| (of.row, of.wall, of.impulses.map(f32::to_bits)));
-    all.dedup_by(|next, sum| {
-        let is_same = (next.row, next.wall) == (sum.row, sum.wall);
-        if is_same {
-            sum.impulses = sum_of_impulses(sum.impulses, next.impulses);
-            sum.pushes = [0, 1].map(|k| sum.pushes[k] + next.pushes[k]);
-        }
-        is_same
-    });
-    all.retain(|of| of.impulses[0] > 0.0);
-}
-
-/// Removes the impulses of walls on some rows.
-pub(crate) fn drop_wall_impulses(all: &mut Vec<WallImpulse>, mut rows: Vec<u32>) {
-    rows.sort_unstable();
-    all.retain(|of| rows.binary_search(&of.row).is_err());
-}
-
 /// What callers see of the contact of two particles with these ids.
 pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
     let sign = if i < j { 1.0 } else { -1.0 };
@@ -89,7 +68,7 @@ impl World {
             bounced.sort_unstable_by(Bounce::order);
         }
         self.count_collisions();
-        self.collect_wall_impulses();
+        self.boundaries.collect(&self.scratch.events.bounced, &self.bodies.awake.rows);
         let mut sensed = std::mem::take(&mut self.scratch.events.sensed);
         sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
         sensed.sort_unstable();
@@ -131,18 +110,6 @@ impl World {
         }
     }
 
-    /// Lists the impulses of walls: of bounces in the order of time, and of resting contacts.
-    fn collect_wall_impulses(&mut self) {
-        let bounced = self.scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
-        self.wall_impulses.extend(bounced.map(|of| WallImpulse {
-            row: self.bodies.awake.rows[of.pair[0] as usize],
-            wall: of.code,
-            impulses: of.impulses,
-            pushes: [0.0; 2],
-        }));
-        self.wall_impulses.append(&mut self.scratch.wall_impulses);
-    }
-
     /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
     /// through each other (`sensed`), and measures all.
     fn update_contacts(&mut self, sensed: &[[u32; 2]], threads: Option<usize>) {
@@ -174,12 +141,6 @@ impl World {
         contacts.each(threads, |contact| contact.measure(motions, &particles.radii));
     }
 
-    /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
-    pub(crate) fn keep_wall_pushes(&mut self) {
-        let pushes = self.scratch.wall_pushes.iter();
-        self.wall_impulses.extend(pushes.map(|of| WallImpulse { impulses: [0.0; 2], ..*of }));
-    }
-
     /// The pairs that touched during the last step, in canonical order. Then the pairs of sleeping
     /// islands, as in the last step in which these were awake, in the order in which they fell
     /// asleep. If nothing bounces, those that overlap now; an error if there are too many.
@@ -207,13 +168,14 @@ impl World {
             let (all, index) = self.bodies.disc_at(index);
             let position = exact(all.positions[index], all.residuals[index]);
             let radius = f64::from(all.radii[index]);
-            let contact = self.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
+            let contact =
+                self.boundaries.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
             let (normal, depth) = (contact.normal.map(|v| v as f32), -contact.gap as f32);
             let [normal_impulse, friction_impulse] = impulses;
             let id = self.bodies.ids.of(row);
             Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };
-        let all = self.wall_impulses.iter().chain(self.bodies.asleep.wall_impulses());
+        let all = self.boundaries.impulses.iter().chain(self.bodies.asleep.wall_impulses());
         let mut all: Vec<WallTouch> = all.filter_map(touch).collect();
         all.sort_by_key(|touch| (touch.id, touch.wall));
         all

@@ -2,13 +2,11 @@
 
 use super::bodies::discs::Discs;
 use super::bodies::ids::Ids;
-use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
 use crate::forces::Influences;
 use crate::motion;
 use crate::particles::Particles;
-use crate::walls::Wall;
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.
@@ -22,9 +20,6 @@ pub(crate) struct Before {
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     influences: Influences,
     external: Option<Vec<[f32; 2]>>,
-    /// The walls, if any moves.
-    walls: Vec<Wall>,
-    wall_impulses: Vec<WallImpulse>,
     stats: Stats,
     /// Those before the first merger of the step.
     pub(crate) ids: Option<Ids>,
@@ -39,17 +34,7 @@ impl World {
         before.is_reordered = false;
         before.influences.clone_from(&self.influences);
         before.external.clone_from(&self.external);
-        before.walls.clear();
-        if self.walls.move_any() {
-            before.walls.extend_from_slice(self.walls.all());
-        }
-        std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
-        self.wall_impulses.clear();
-        // The pushes of the last sub-step are those with which the first one begins (warm
-        // starting).
-        let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
-        self.scratch.wall_pushes.clear();
-        self.scratch.wall_pushes.extend(pushes);
+        self.boundaries.begin_attempt();
         before.stats = self.stats;
         self.record.begin_step();
         before.ids = None;
@@ -86,10 +71,7 @@ impl World {
         }
         std::mem::swap(&mut self.influences, &mut before.influences);
         std::mem::swap(&mut self.external, &mut before.external);
-        if !before.walls.is_empty() {
-            self.walls.restore(std::mem::take(&mut before.walls));
-        }
-        std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
+        self.boundaries.undo();
         self.stats = before.stats;
         self.record.undo_step();
         if let Some(ids) = before.ids.take() {

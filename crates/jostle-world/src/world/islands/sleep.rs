@@ -12,14 +12,12 @@ use super::motion::{note_motions, quarter};
 use super::{Islands, NONE};
 use crate::contacts::{Contact, Contacts};
 use crate::forces::{Influence, Influences, Role};
-use crate::resting::WallImpulse;
 use crate::walls::Walls;
-use crate::world::bodies::asleep::{Island, Sleepers, run};
+use crate::world::bodies::asleep::{Island, Sleepers};
 use crate::world::bodies::discs::Discs;
 use crate::world::force_step::awake_springs;
 use crate::world::plan::Plan;
 use crate::world::settings::{OnTouch, WorldSettings};
-use crate::world::touches::drop_wall_impulses;
 use crate::world::{StepScratch, World};
 use jostle_base::error::Result;
 use jostle_base::table::{Table, dense};
@@ -42,9 +40,9 @@ pub(crate) fn may_sleep(settings: &WorldSettings, influences: &Influences, walls
 /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an
 /// error, the step can be undone.
 pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()> {
-    let World { bodies, settings, influences, walls, external, scratch, .. } = world;
+    let World { bodies, settings, influences, boundaries, external, scratch, .. } = world;
     let discs = &mut bodies.awake;
-    if plan.is_lossless || !may_sleep(settings, influences, walls) {
+    if plan.is_lossless || !may_sleep(settings, influences, &boundaries.walls) {
         discs.persistent.recent_motions.clear();
         return Ok(());
     }
@@ -54,7 +52,7 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
     }
     world.islands.end_quarter(discs, settings.gravity);
     if list_sleepers(world)? {
-        let World { bodies, contacts, wall_impulses, halo, islands, .. } = &mut *world;
+        let World { bodies, contacts, boundaries, halo, islands, .. } = &mut *world;
         let mut sleepers = islands.take(&bodies.awake);
         let lasting = islands.contacts_of_sleepers(contacts);
         let rows = &bodies.awake.rows;
@@ -66,7 +64,7 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
             };
             sleepers.set_contacts(lasting.into_iter().map(by_rows).collect());
         }
-        take_wall_impulses(wall_impulses, &mut sleepers);
+        boundaries.copy_to(&mut sleepers);
         put_to_sleep(world, sleepers)?;
     }
     Ok(())
@@ -101,7 +99,7 @@ fn list_sleepers(world: &mut World) -> Result<bool> {
 /// other by themselves or a spring connects them, what each rests on, and how the islands move. Candidate pairs do not
 /// count: which there are depends on the speeds of all particles.
 fn find_islands(world: &mut World, own: u32) {
-    let World { bodies, contacts, wall_impulses, scratch, influences, islands, .. } = world;
+    let World { bodies, contacts, boundaries, scratch, influences, islands, .. } = world;
     let StepScratch { overlaps, events, forces, .. } = scratch;
     let indices = &forces.indices;
     let tied = awake_springs(influences, indices)
@@ -111,7 +109,7 @@ fn find_islands(world: &mut World, own: u32) {
     let touching = contacts.touching().map(|contact| contact.indices);
     let near = overlaps.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
     islands.group(&bodies.awake, own, near.copied().chain(touching).chain(tied.clone()));
-    islands.find_rests(&bodies.awake, contacts, wall_impulses, tied);
+    islands.find_rests(&bodies.awake, contacts, &boundaries.impulses, tied);
     islands.sum_motions(&bodies.awake, own);
 }
 
@@ -161,28 +159,6 @@ impl Islands {
     }
 }
 
-/// Adds the impulses of walls on islands that fall asleep, from `all`.
-pub(crate) fn take_wall_impulses(all: &[WallImpulse], new: &mut Sleepers) {
-    let mut of_rows: Vec<[u32; 2]> = Vec::with_capacity(new.discs.rows.len());
-    for (number, island) in (0..).zip(&new.islands) {
-        let range = island.particles.start as usize..island.particles.end as usize;
-        of_rows.extend(new.discs.rows[range].iter().map(|&row| [row, number]));
-    }
-    of_rows.sort_unstable();
-    let impulses = all.iter().filter_map(|impulse| {
-        let found = of_rows.binary_search_by_key(&impulse.row, |&[row, _]| row);
-        found.ok().map(|at| (of_rows[at][1], *impulse))
-    });
-    let mut impulses: Vec<_> = impulses.collect();
-    impulses.sort_by_key(|&(island, _)| island);
-    let mut end = 0;
-    for (number, island) in (0..).zip(&mut new.islands) {
-        island.wall_impulses = run(&impulses, end, number);
-        end = island.wall_impulses.end;
-    }
-    new.wall_impulses = impulses.into_iter().map(|(_, impulse)| impulse).collect();
-}
-
 /// Moves islands to the sleeping ones. If there is an error on any process, nothing changes.
 fn put_to_sleep(world: &mut World, sleepers: Sleepers) -> Result<()> {
     // The tree, the pairs and the messages may fail on any process. All wait until each knows
@@ -211,7 +187,7 @@ fn put_to_sleep(world: &mut World, sleepers: Sleepers) -> Result<()> {
 /// Removes particles that sleep now from those that are awake.
 pub(crate) fn remove_sleepers(world: &mut World, sleepers: Sleepers) {
     let keep: Vec<bool> = world.islands.island_of.iter().map(|&island| island == NONE).collect();
-    drop_wall_impulses(&mut world.wall_impulses, sleepers.discs.rows);
+    world.boundaries.drop_rows(sleepers.discs.rows);
     world.bodies.keep(&keep);
     world.contacts.retain(&keep);
 }

@@ -11,13 +11,12 @@ use super::{Islands, NONE};
 use crate::contacts::{Contact, Contacts};
 use crate::forces::Influences;
 use crate::halo::Halo;
-use crate::resting::WallImpulse;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
+use crate::world::boundaries::Boundaries;
 use crate::world::bounds::{FreeDisplacements, rounding};
 use crate::world::distribution::Distribution;
-use crate::world::touches::drop_wall_impulses;
 use crate::world::{StepScratch, World};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -153,21 +152,15 @@ pub(crate) fn wake(world: &mut World, islands: &[u32]) {
     }
     let total = world.bodies.len();
     world.halo.protocol().recall_contacts(world, islands);
-    let World { bodies, contacts, wall_impulses, islands: Islands { indices, .. }, .. } = world;
+    let World { bodies, contacts, boundaries, islands: Islands { indices, .. }, .. } = world;
     let woken = bodies.asleep.wake(islands);
     indices.resize(total.max(indices.len()), NONE);
-    append(&woken, bodies, contacts, wall_impulses, indices);
+    boundaries.insert(woken.wall_impulses.iter().copied());
+    append(&woken, bodies, contacts, indices);
 }
 
-/// Appends islands that wake to the columns, with their contacts and the impulses of walls. `indices` has [`NONE`] for
-/// each row, before and after.
-fn append(
-    woken: &Sleepers,
-    bodies: &mut Bodies,
-    all_contacts: &mut Contacts,
-    all_impulses: &mut Vec<WallImpulse>,
-    indices: &mut [u32],
-) {
+/// Appends islands that wake to the columns, with their contacts. `indices` has [`NONE`] for each row, before and after.
+fn append(woken: &Sleepers, bodies: &mut Bodies, contacts: &mut Contacts, indices: &mut [u32]) {
     let Discs { particles, rows, persistent } = &woken.discs;
     let first = bodies.awake.rows.len();
     let len = first + rows.len();
@@ -177,17 +170,15 @@ fn append(
     bodies.awake.rows.extend_from_slice(rows);
     bodies.awake.persistent.append(first, persistent, rows.len());
     bodies.forget_indices();
-    all_impulses.extend_from_slice(&woken.wall_impulses);
-    all_impulses.sort_by_key(|of| (of.row, of.wall));
     // Contacts are with each other or with immovable particles.
     let (rows, movable) = (&bodies.awake.rows, &bodies.awake.particles.movable);
     let named = || (0..len).filter(|&index| index >= first || !movable[index]);
     named().for_each(|index| indices[rows[index] as usize] = index as u32);
-    let contacts = woken.contacts.iter().map(|contact| Contact {
+    let new = woken.contacts.iter().map(|contact| Contact {
         indices: contact.indices.map(|row| indices[row as usize]),
         ..*contact
     });
-    all_contacts.insert(contacts, len);
+    contacts.insert(new, len);
     named().for_each(|index| indices[rows[index] as usize] = NONE);
 }
 
@@ -255,7 +246,7 @@ pub(crate) fn forget_woken(world: &mut World) {
 pub(crate) fn cancel_waking(
     bodies: &mut Bodies,
     contacts: &mut Contacts,
-    wall_impulses: &mut Vec<WallImpulse>,
+    boundaries: &mut Boundaries,
 ) {
     let woken = bodies.asleep.woken_rows();
     if woken.is_empty() {
@@ -263,7 +254,7 @@ pub(crate) fn cancel_waking(
     }
     let is_asleep = |row: &u32| woken.binary_search(row).is_ok();
     let keep: Vec<bool> = bodies.awake.rows.iter().map(|row| !is_asleep(row)).collect();
-    drop_wall_impulses(wall_impulses, woken);
+    boundaries.drop_rows(woken);
     bodies.keep(&keep);
     contacts.retain(&keep);
     bodies.asleep.cancel_waking();

@@ -6,10 +6,10 @@ use std::mem;
 use super::super::bodies::asleep::{Island, Sleepers};
 use super::super::bodies::discs::{Persistent, RecentMotion};
 use super::super::islands::sleep::may_sleep;
-use super::super::touches::WallImpulse;
 use super::super::{Walls, World, WorldSettings};
 use crate::contacts::Contact;
 use crate::particles::{Particles, check_vectors};
+use crate::resting::WallImpulse;
 use crate::walls::index_of;
 use jostle_base::bytes::damaged;
 use jostle_base::error::{Error, Result};
@@ -54,7 +54,7 @@ impl World {
         check_rows(self.bodies.awake.rows.iter().chain(&discs.rows), len)?;
         check_contacts(self.contacts.all(), awake)?;
         check_contacts(contacts, len)?;
-        check_impulses(&self.wall_impulses, len)?;
+        check_impulses(&self.boundaries.impulses, len)?;
         check_impulses(wall_impulses, len)?;
         self.contacts.remember(awake);
         self.bodies.asleep = self.bodies.asleep.rebuilt(tree).map_err(refused)?;
@@ -65,10 +65,10 @@ impl World {
             .and_then(|()| self.influences.check_fit(container))
             .and_then(|()| self.influences.check_sides(container))
             .map_err(refused)?;
-        let walls = mem::take(&mut self.walls).all().to_vec();
-        self.walls = Walls::new(walls, container, tree).map_err(refused)?;
-        self.walls.set_sides(self.settings.side_restitutions());
-        self.influences.check_walls(self.walls.all().len()).map_err(refused)?;
+        let walls = mem::take(&mut self.boundaries.walls).all().to_vec();
+        self.boundaries.walls = Walls::new(walls, container, tree).map_err(refused)?;
+        self.boundaries.walls.set_sides(self.settings.side_restitutions());
+        self.influences.check_walls(self.walls().len()).map_err(refused)?;
         self.check_wall_impulses()?;
         self.bodies
             .ids
@@ -82,7 +82,7 @@ impl World {
         self.record.check(self.bodies.ids.parts().1, self.settings.track_events)?;
         ensure(
             self.bodies.asleep.is_empty()
-                || may_sleep(&self.settings, &self.influences, &self.walls),
+                || may_sleep(&self.settings, &self.influences, &self.boundaries.walls),
             "nothing can sleep in it",
         )
     }
@@ -103,8 +103,9 @@ impl World {
 
     /// Refuses impulses of walls that do not exist.
     pub(crate) fn check_wall_impulses(&self) -> Result<()> {
-        let count = self.walls.all().len();
-        let mut all = self.wall_impulses.iter().chain(&self.bodies.asleep.sleepers().wall_impulses);
+        let count = self.walls().len();
+        let mut all =
+            self.boundaries.impulses.iter().chain(&self.bodies.asleep.sleepers().wall_impulses);
         let is_known =
             |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
         ensure(all.all(is_known), "a wall has an impulse on no particle")

@@ -2,15 +2,15 @@
 //!
 //! The bytes contain everything that the next step depends on: settings, forces, particles in their canonical
 //! order, and the impulses for warm starting; not the statistics of the last step. They may contain a text of the
-//! caller. Each type declares its fields once, with [`saved!`] or [`plain!`](jostle_base::plain!), and the columns
+//! caller. Each type declares its fields once, with [`saved!`](jostle_base::saved!) or [`plain!`](jostle_base::plain!), and the columns
 //! are those of [`table!`](jostle_base::table!). `check` refuses what no world can have.
 
 mod check;
 
 use super::World;
+use super::boundaries::Boundaries;
 use jostle_base::bytes::{Reader, Saved, Writer, foreign};
 use jostle_base::error::Result;
-use jostle_base::saved;
 
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
@@ -18,10 +18,43 @@ const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
 const VERSION: u32 = 9;
 
-saved! {
-    struct World {
-        settings, time, bodies, contacts, wall_impulses, influences, walls, external, record, attachment;
-        stats, halo, islands, scratch
+impl Saved for World {
+    fn put(&self, to: &mut Writer) {
+        // Without `..`, so that the compiler asks for each new field.
+        #[rustfmt::skip]
+        let Self {
+            settings, time, bodies, contacts, boundaries, influences, external, record, attachment,
+            stats: _, halo: _, islands: _, scratch: _,
+        } = self;
+        settings.put(to);
+        time.put(to);
+        bodies.put(to);
+        contacts.put(to);
+        boundaries.impulses.put(to);
+        influences.put(to);
+        boundaries.walls.put(to);
+        external.put(to);
+        record.put(to);
+        attachment.put(to);
+    }
+
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let (settings, time) = (Saved::get(from)?, Saved::get(from)?);
+        let (bodies, contacts) = (Saved::get(from)?, Saved::get(from)?);
+        let (impulses, influences, walls) =
+            (Saved::get(from)?, Saved::get(from)?, Saved::get(from)?);
+        Ok(Self {
+            settings,
+            time,
+            bodies,
+            contacts,
+            boundaries: Boundaries::new(walls, impulses),
+            influences,
+            external: Saved::get(from)?,
+            record: Saved::get(from)?,
+            attachment: Saved::get(from)?,
+            ..Self::default()
+        })
     }
 }
 

@@ -1,0 +1,205 @@
+//! The boundaries of a world: its container and walls, and the impulses that they give.
+//!
+//! [`Walls`] has the segments and a copy of the container, which belongs to the settings, with one formula for the gap,
+//! the normal and the impact of both. Impulses are of two kinds. Those of bounces and of resting contacts in all
+//! sub-steps are added up and reported. The *pushes* of the last sub-step, in which a resting contact has a constant
+//! force, begin the first sub-step of the next step (warm starting). Both are kept in one list by row and wall.
+//!
+//! In a step the boundaries are a list of the walls near each particle, made once in a part of a step. Walls that
+//! move are where they were at its beginning, and stages that need them later give the time ([`Clock`]).
+
+use super::bodies::asleep::{Sleepers, run};
+use super::bodies::ids::renumber;
+use super::search::MAX_CANDIDATES;
+use super::settings::WorldSettings;
+use crate::contacts::sum_of_impulses;
+use crate::events::{Bounce, WALL};
+use crate::particles::Particles;
+use crate::resting::WallImpulse;
+use crate::walls::{Around, Clock, Near, Wall, Walls, index_of};
+use jostle_base::error::Result;
+use jostle_index::quadtree::Quadtree;
+
+/// The container, the walls and their impulses.
+#[derive(Debug, Default)]
+pub(crate) struct Boundaries {
+    /// The walls, the container and the coefficients of its sides.
+    pub(crate) walls: Walls,
+    /// The impulses of the last step, sorted by row and wall.
+    pub(crate) impulses: Vec<WallImpulse>,
+    /// In a part of a step: the walls near each particle.
+    pub(crate) near: Near,
+    /// The impulses of resting contacts in its sub-steps.
+    resting: Vec<WallImpulse>,
+    /// The pushes of the last sub-step, sorted by row and wall; in the first one those of the step before.
+    pub(crate) pushes: Vec<WallImpulse>,
+    /// Those of the sub-step that is computed.
+    pub(crate) new_pushes: Vec<WallImpulse>,
+    /// Before the attempt at a step: the walls, if any moves, and the impulses.
+    walls_before: Vec<Wall>,
+    impulses_before: Vec<WallImpulse>,
+}
+
+impl Boundaries {
+    /// Walls with the impulses that they gave in the last step.
+    pub(crate) fn new(walls: Walls, impulses: Vec<WallImpulse>) -> Self {
+        Self { walls, impulses, ..Self::default() }
+    }
+
+    /// Replaces the walls in the same container. A wall that keeps its ends keeps its impulses for warm starting, so
+    /// that a pile on it stays at rest when another wall changes.
+    pub(crate) fn replace_walls(&mut self, new: Walls) {
+        let is_kept = |index: u32| {
+            let [old, new] = [&self.walls, &new].map(|walls| walls.all().get(index as usize));
+            old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
+        };
+        self.impulses.retain(|of| index_of(of.wall).is_none_or(is_kept));
+        self.walls = new;
+    }
+
+    /// Begins an attempt at a step, which [`Boundaries::undo`] takes back.
+    pub(crate) fn begin_attempt(&mut self) {
+        self.walls_before.clear();
+        if self.walls.move_any() {
+            self.walls_before.extend_from_slice(self.walls.all());
+        }
+        std::mem::swap(&mut self.impulses_before, &mut self.impulses);
+        self.impulses.clear();
+        let pushes = self.impulses_before.iter().filter(|of| of.pushes[0] > 0.0);
+        self.pushes.clear();
+        self.pushes.extend(pushes);
+    }
+
+    /// Restores what there was before the attempt.
+    pub(crate) fn undo(&mut self) {
+        if !self.walls_before.is_empty() {
+            self.walls.restore(std::mem::take(&mut self.walls_before));
+        }
+        std::mem::swap(&mut self.impulses, &mut self.impulses_before);
+    }
+
+    /// Finds the walls that may come near each particle in a part of `dt` seconds: those that overlap its bounds in
+    /// `tree`, or are nearer to them than `usual`. `reaches` has how far these let it get.
+    pub(crate) fn find_near(
+        &mut self,
+        tree: &Quadtree<f32>,
+        (reaches, usual): (&[f32], f32),
+        settings: &WorldSettings,
+        dt: f64,
+    ) -> Result<()> {
+        self.walls.begin_part(settings.tree, dt)?;
+        self.near.fill(&self.walls, tree, (reaches, usual), settings.method, MAX_CANDIDATES)
+    }
+
+    /// Begins the sub-steps of a part.
+    pub(crate) fn begin_substeps(&mut self, may_rest: bool) {
+        self.resting.clear();
+        // Nothing will read or renew the pushes of the step before.
+        if !may_rest {
+            self.pushes.clear();
+        }
+    }
+
+    /// The walls near each particle at a time of the part.
+    pub(crate) fn around<'a>(&'a self, particles: &'a Particles, clock: Clock) -> Around<'a> {
+        around(&self.walls, &self.near, particles, clock)
+    }
+
+    /// Keeps what resting contacts have found in a sub-step. The impulses of all sub-steps are reported. The pushes of
+    /// the last one alone begin the next step.
+    pub(crate) fn end_resting(&mut self) {
+        let new = self.new_pushes.iter().map(|of| WallImpulse { pushes: [0.0; 2], ..*of });
+        self.resting.extend(new);
+        std::mem::swap(&mut self.new_pushes, &mut self.pushes);
+    }
+
+    /// Adds the impulses of a part: of bounces in the order of time, and of resting contacts.
+    pub(crate) fn collect(&mut self, bounced: &[Bounce], rows: &[u32]) {
+        let bounced = bounced.iter().filter(|of| of.pair[1] == WALL);
+        self.impulses.extend(bounced.map(|of| WallImpulse {
+            row: rows[of.pair[0] as usize],
+            wall: of.code,
+            impulses: of.impulses,
+            pushes: [0.0; 2],
+        }));
+        self.impulses.append(&mut self.resting);
+    }
+
+    /// Adds up the impulses of a step, and the pushes of its last sub-step.
+    pub(crate) fn end_attempt(&mut self) {
+        let Self { impulses, pushes, .. } = self;
+        impulses.extend(pushes.iter().map(|of| WallImpulse { impulses: [0.0; 2], ..*of }));
+        // Sums depend on the order, so equal numbers decide the rest.
+        impulses.sort_unstable_by_key(|of| (of.row, of.wall, of.impulses.map(f32::to_bits)));
+        impulses.dedup_by(|next, sum| {
+            let is_same = (next.row, next.wall) == (sum.row, sum.wall);
+            if is_same {
+                sum.impulses = sum_of_impulses(sum.impulses, next.impulses);
+                sum.pushes = [0, 1].map(|k| sum.pushes[k] + next.pushes[k]);
+            }
+            is_same
+        });
+        impulses.retain(|of| of.impulses[0] > 0.0);
+    }
+
+    /// Adds impulses of the last step on rows that had none.
+    pub(crate) fn insert(&mut self, new: impl Iterator<Item = WallImpulse>) {
+        self.impulses.extend(new);
+        self.impulses.sort_by_key(|of| (of.row, of.wall));
+    }
+
+    /// Removes the impulses on some rows.
+    pub(crate) fn drop_rows(&mut self, mut rows: Vec<u32>) {
+        rows.sort_unstable();
+        self.impulses.retain(|of| rows.binary_search(&of.row).is_err());
+    }
+
+    /// Copies the impulses on islands that fall asleep to these.
+    pub(crate) fn copy_to(&self, new: &mut Sleepers) {
+        let mut of_rows: Vec<[u32; 2]> = Vec::with_capacity(new.discs.rows.len());
+        for (number, island) in (0..).zip(&new.islands) {
+            let range = island.particles.start as usize..island.particles.end as usize;
+            of_rows.extend(new.discs.rows[range].iter().map(|&row| [row, number]));
+        }
+        of_rows.sort_unstable();
+        let impulses = self.impulses.iter().filter_map(|impulse| {
+            let found = of_rows.binary_search_by_key(&impulse.row, |&[row, _]| row);
+            found.ok().map(|at| (of_rows[at][1], *impulse))
+        });
+        let mut impulses: Vec<_> = impulses.collect();
+        impulses.sort_by_key(|&(island, _)| island);
+        let mut end = 0;
+        for (number, island) in (0..).zip(&mut new.islands) {
+            island.wall_impulses = run(&impulses, end, number);
+            end = island.wall_impulses.end;
+        }
+        new.wall_impulses = impulses.into_iter().map(|(_, impulse)| impulse).collect();
+    }
+
+    /// Gives merged particles the impulses on their parts in this step; `heirs` has the new row of each. Their pushes
+    /// begin with 0.
+    pub(crate) fn inherit(&mut self, heirs: &[u32], has_merged: &[bool]) {
+        self.pushes.retain(|of| !has_merged[of.row as usize]);
+        self.impulses.iter_mut().for_each(|of| of.row = heirs[of.row as usize]);
+    }
+
+    /// Removes the impulses on removed rows, and gives the rest their new rows.
+    pub(crate) fn renumber(&mut self, gone: &[bool], shifted: &[u32]) {
+        renumber(&mut self.impulses, |of| &mut of.row, (gone, shifted));
+    }
+
+    /// The same of the pushes, which only a step that goes on needs.
+    pub(crate) fn renumber_pushes(&mut self, gone: &[bool], shifted: &[u32]) {
+        renumber(&mut self.pushes, |of| &mut of.row, (gone, shifted));
+    }
+}
+
+/// The same, where other columns of the boundaries are written.
+pub(crate) fn around<'a>(
+    walls: &'a Walls,
+    near: &'a Near,
+    particles: &'a Particles,
+    clock: Clock,
+) -> Around<'a> {
+    Around { container: walls.container(), walls, near, particles, clock }
+}
