@@ -11,6 +11,7 @@ use crate::forces::{Influence, Reach, Role};
 use crate::world::World;
 use crate::world::bodies::asleep::Asleep;
 use crate::world::islands::wake::wake_all;
+use crate::world::plan::are_own_lossless;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
@@ -60,7 +61,7 @@ pub fn distribute(
         foreign: Asleep::default(),
         touched: Vec::new(),
         left: Vec::new(),
-        is_lossless: world.are_own_lossless(),
+        is_lossless: are_own_lossless(world),
         has_friction: true,
         scales: Default::default(),
         extent: None,

@@ -6,6 +6,7 @@ use super::migration::{append_records, drop_ghosts};
 use super::read_records;
 use crate::world::World;
 use crate::world::bodies::ids::Ids;
+use crate::world::edits::take_out;
 use crate::world::islands::wake::{wake_all, wake_to_stay};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -120,7 +121,7 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
     // While the rows still have their old meaning.
     wake_edited(world, &[], &rows)?;
-    let shifted = world.take_out(&gone);
+    let shifted = take_out(world, &gone);
     let domain = domain_of_mut(world);
     crate::world::bodies::ids::retain_unless(&mut domain.ids, &gone);
     domain.own = domain.ids.len();
@@ -135,7 +136,7 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     let at_end = &mut world.record.at_end;
     let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
     world.record.gone.extend(removed);
-    world.end_external_of_none()
+    world.external.end_if_zero(&*world.halo)
 }
 
 /// The ids of the particles of this rank, and the id that is given next.

@@ -47,7 +47,7 @@ pub(super) fn exchange_ghosts(world: &mut World, dt: f32) -> Result<bool> {
         // The same bounds as in a step: velocity, gravity and forces of the caller. Collisions and
         // other forces are covered by the margin.
         let own = distance_at(world.bodies.awake.particles.velocities[index], dt);
-        let external = world.external.as_ref().map_or([0.0; 2], |external| external[row as usize]);
+        let external = world.external.of(row);
         let pulled = fall + distance_of_fall(external, dt);
         let usual = own + if world.bodies.awake.particles.movable[index] { pulled } else { 0.0 };
         let known =
@@ -203,7 +203,7 @@ fn margin_and_extent(world: &mut World, dt: f32) -> Result<(f64, f64)> {
     let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
     domain.extent = (!is_torus).then_some(area);
     let extent = (right + left).max(bottom + top).max(0.0);
-    let usual = f64::from(scratch.usual_speed) * f64::from(dt);
+    let usual = f64::from(scratch.horizon.usual_speed) * f64::from(dt);
     // Half of the cutoff for each of two circles: they overlap if the particles are neighbours.
     let of_forces = 0.5 * f64::from(world.influences.largest_cutoff());
     let margin = (MARGIN * radius + usual) * domain.widened + of_forces;

@@ -14,6 +14,7 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::islands::motion::IslandMotion;
 use crate::world::islands::{Islands, NONE};
+use crate::world::touching::find_touching_of;
 
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
@@ -127,11 +128,9 @@ pub(super) fn keep_pairs_of_sleepers(world: &mut World) -> Result<()> {
         return Ok(());
     }
     // Ghosts are still there, so pairs of two ranks are found, too.
-    let mut scratch = std::mem::take(&mut world.scratch.touching);
-    let pairs =
-        world.find_touching_of(&world.bodies.awake.particles, &mut scratch).map(Iterator::collect);
-    world.scratch.touching = scratch;
-    let pairs: Vec<[u32; 2]> = pairs?;
+    let particles = &world.bodies.awake.particles;
+    let scratch = &mut world.scratch.touching;
+    let pairs: Vec<[u32; 2]> = find_touching_of(particles, &world.settings, scratch)?.collect();
     let World {
         bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, halo, islands, ..
     } = world;

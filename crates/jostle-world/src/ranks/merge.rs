@@ -16,7 +16,9 @@ use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
 use crate::world::bodies::ids::{renumber, retain_unless};
 use crate::world::boundaries::Boundaries;
-use crate::world::merge::{joint_acceleration, union};
+use crate::world::edits::take_out;
+use crate::world::external::joint_acceleration;
+use crate::world::merge::union;
 use crate::world::{StepScratch, World};
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
@@ -156,12 +158,12 @@ pub(super) fn merge_members(world: &mut World, members: &[Member]) -> Result<boo
     remove_members(world, &members);
     domain_of_mut(world).total -= gone as usize;
     sum_up(world)?;
-    world.end_external_of_none()?;
+    world.external.end_if_zero(&*world.halo)?;
     Ok(true)
 }
 
 fn id_of_index(world: &World, index: u32) -> Id {
-    world.id_among_all(world.bodies.awake.rows[index as usize])
+    world.halo.id_among_all(&world.bodies.ids, world.bodies.awake.rows[index as usize])
 }
 
 /// Members as bytes, for the ranks that merge them.
@@ -177,8 +179,7 @@ fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
         let to = &mut to[rank];
         put_record(to, domain.id(row), &world.scratch.starts, at);
         put_record(to, domain.id(row), &world.bodies.awake.particles, at);
-        let external =
-            world.external_accelerations().get(row as usize).copied().unwrap_or_default();
+        let external = world.external.of(row);
         let is_exhausted = world.scratch.exhausted.binary_search(&row).is_ok();
         let pushes = pushes.remove(&row).unwrap_or_default();
         let mut details = Writer::default();
@@ -269,9 +270,7 @@ fn write_merged(world: &mut World, members: &[Member], merged: &[Merged], starts
         own_starts.put(len, at, starts, of.first);
         impulses.extend(of.pushes.iter().map(|push| push.of_row(row)));
         exhausted.extend(of.is_exhausted.then_some(row));
-        if let Some(external) = &mut world.external {
-            external[row as usize] = of.external;
-        }
+        world.external.set(row, of.external);
     }
     exhausted.sort_unstable();
 }
@@ -292,7 +291,7 @@ fn remove_members(world: &mut World, members: &[Member]) {
     merged.sort_unstable();
     let keep: Vec<bool> = world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
     world.scratch.starts.keep(&keep);
-    let shifted = world.take_out(&gone);
+    let shifted = take_out(world, &gone);
     world.boundaries.renumber_pushes(&gone, &shifted);
     renumber(&mut world.scratch.exhausted, |row| row, (&gone, &shifted));
     world.bodies.ids = Ids::of_rows(world.bodies.awake.rows.len());

@@ -16,7 +16,6 @@ use crate::world::World;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
-use crate::world::bodies::ids::retain_unless;
 use crate::world::boundaries::Boundaries;
 use jostle_base::bytes::{Plain, append, read_all};
 use jostle_base::error::Result;
@@ -76,7 +75,7 @@ pub fn drop_ghosts(world: &mut World) {
         persistent.resize(awake);
         rows.truncate(awake);
         domain.ids.truncate(own);
-        external.iter_mut().for_each(|external| external.truncate(own));
+        external.resize(own);
         impulses.retain(|of| (of.row as usize) < own);
         *ids = Ids::of_rows(own);
     }
@@ -103,7 +102,7 @@ pub(super) fn append_records(world: &mut World, bytes: &[Vec<u8>], are_own: bool
     let len = domain.ids.len();
     rows.extend(first as u32..len as u32);
     persistent.resize(rows.len());
-    external.iter_mut().for_each(|external| external.resize(len, [0.0; 2]));
+    external.resize(len);
     *ids = Ids::of_rows(len);
     if are_own {
         domain.own = len;
@@ -150,7 +149,7 @@ pub(super) fn rebalance(world: &mut World) -> Result<()> {
     let leaving = leaving(world, &keys, &cuts);
     let Some(domain) = domain_of(world) else { return Ok(()) };
     // After a failed exchange the other ranks make no further one.
-    let has_external = world.external.is_some();
+    let has_external = world.external.act();
     let (records, kept, resting, pushes, external) = {
         let mut group = locked(&domain.group);
         let records = group.exchange(&leaving.records)?;
@@ -163,7 +162,7 @@ pub(super) fn rebalance(world: &mut World) -> Result<()> {
     };
     let first = leave(world, &leaving.destinations);
     append_records(world, &records, true);
-    if let Some(all) = &mut world.external {
+    if let Some(all) = &mut world.external.accelerations {
         let new = external.chunks_exact(8).map(<[f32; 2]>::load);
         all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
     }
@@ -190,7 +189,7 @@ fn renumber(world: &mut World) {
     let mut new = vec![0; domain.own];
     let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
     (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
-    if let Some(external) = external {
+    if let Some(external) = &mut external.accelerations {
         *external = old.iter().map(|&row| external[row as usize]).collect();
     }
     domain.ids = old.iter().map(|&row| domain.ids[row as usize]).collect();
@@ -228,7 +227,7 @@ fn leaving(world: &World, keys: &[u64], cuts: &[u64]) -> Leaving {
         let id = domain.id(row);
         put_record(&mut leaving.records[destination], id, &world.bodies.awake.particles, index);
         put_kept(&mut leaving.kept[destination], id, &world.bodies.awake.persistent, index);
-        if let Some(external) = &world.external {
+        if let Some(external) = &world.external.accelerations {
             let bytes = external[row as usize].iter().flat_map(|a| a.to_le_bytes());
             leaving.external[destination].extend(bytes);
         }
@@ -268,7 +267,7 @@ fn leave(world: &mut World, destinations: &HashMap<u32, usize>) -> usize {
     world.bodies.keep(&stays);
     world.contacts.retain(&stays);
     let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
-    world.external.iter_mut().for_each(|external| retain_unless(external, &gone));
+    world.external.remove(&gone);
     world.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
     world.bodies.asleep.renumber(&shifted);
     world.boundaries.impulses.retain_mut(|of| {

@@ -10,6 +10,7 @@ use super::islands::SleepingContact;
 use super::{RECORD, read_records};
 use crate::world::World;
 use crate::world::islands::sleep::may_sleep;
+use crate::world::snapshot::check::{check_sleeping, check_wall_impulses};
 use jostle_base::bytes::{Plain, Reader, checksum, damaged};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -85,8 +86,8 @@ fn restore_parts(bytes: &[u8]) -> Result<World> {
     let mut world = of_records(&settings, records).map_err(valid)?;
     set_ids(&mut world, &ids, next as Id).map_err(valid)?;
     take_kept(&mut world, [kept, resting, pushes, members, touches])?;
-    world.check_wall_impulses()?;
-    world.check_sleeping()?;
+    check_wall_impulses(&world.boundaries, &world.bodies)?;
+    check_sleeping(&world.bodies)?;
     if !world.bodies.asleep.is_empty()
         && !may_sleep(&world.settings, &world.influences, &world.boundaries.walls)
     {

@@ -33,6 +33,8 @@ use crate::motion::exact;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::distribution::{Agreement, Protocol};
+use crate::world::external::has_accelerations;
+use crate::world::step::too_many_collisions;
 use crate::world::{OnTouch, Stats, World};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -293,7 +295,7 @@ pub(super) fn digest_shared(world: &mut World) {
 /// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
 /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
 pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
-    let has_accelerations = world.has_accelerations();
+    let has_accelerations = has_accelerations(&world.external, &world.influences);
     let World {
         bodies: Bodies { awake: Discs { rows, .. }, .. },
         halo,
@@ -371,7 +373,7 @@ pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
         return Ok(Agreement::Different);
     }
     if is_refused {
-        return Err(world.too_many_collisions());
+        return Err(too_many_collisions(world));
     }
     if refused > 0 {
         // The ranks that refuse it report this now.

@@ -5,6 +5,8 @@ use super::ghosts::exchange_neighbors;
 use super::migration::rebalance;
 use crate::world::World;
 use crate::world::contacts::loses_energy;
+use crate::world::plan::are_own_lossless;
+use crate::world::sums::energy_in_forces;
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
 
@@ -28,7 +30,7 @@ pub(super) fn sum_up(world: &mut World) -> Result<()> {
         .any(|index| !world.bodies.awake.particles.is_static(index));
     // One message for all that a step needs to know of the others, instead of one for each
     // question.
-    let flags = [!world.are_own_lossless(), has_friction, moving].map(u64::from);
+    let flags = [!are_own_lossless(world), has_friction, moving].map(u64::from);
     let counts =
         [world.bodies.awake.rows.len(), world.bodies.asleep.len()].map(|count| count as u64);
     let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
@@ -55,11 +57,11 @@ pub(super) fn sum_up(world: &mut World) -> Result<()> {
 /// ghosts, and it then has ghosts that no step can use.
 pub fn own_energy_of_pairs(world: &mut World) -> Result<f64> {
     if world.halo.is_whole() {
-        return Ok(world.energy_in_forces());
+        return Ok(energy_in_forces(world));
     }
     // Immovable particles get ghosts, too.
     world.settings.track_events = true;
     rebalance(world)?;
     exchange_neighbors(world)?;
-    Ok(world.energy_in_forces())
+    Ok(energy_in_forces(world))
 }

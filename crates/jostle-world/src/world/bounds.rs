@@ -53,94 +53,84 @@ const RESERVE: f32 = 0.001;
 /// grow twice.
 const GROWTH: f64 = 1.25;
 
-impl World {
-    /// Computes the bounds of a part of a step. If a particle moves farther, [`StepBounds::grow`] enlarges
-    /// its bounds: the answer does not depend on them. Returns whether all particles stay in theirs if they have no
-    /// events.
-    pub(crate) fn find_bounds(&mut self, plan: &Plan) -> bool {
-        let Plan { may_rest, threads, horizon: dt, .. } = *plan;
-        let super::StepScratch { max_displacements, forces, usual_speed, shapes, .. } =
-            &mut self.scratch;
-        let (particles, settings) = (&self.bodies.awake.particles, &self.settings);
-        // A collision may make a slow particle faster. So each movable particle gets at least the
-        // usual displacement, and few leave their bounds, which would cost a search for each.
-        let usual = (*usual_speed * dt).min(settings.container.max_displacement());
-        let accelerations = &forces.accelerations;
-        let fall = distance_of_fall(settings.gravity, dt);
-        let free = FreeDisplacements::new(settings, forces, plan.dt);
-        // Particles that merge are not searched again, so their bounds contain the estimated
-        // displacements by springs.
-        let is_merging = settings.on_touch == OnTouch::Merge;
-        let by_springs = if is_merging { &forces.max_displacements[..] } else { &[] };
-        let is_pulled = !(accelerations.is_empty() && by_springs.is_empty());
-        let pulled = |index: usize| {
-            force_displacement(accelerations.get(index), by_springs.get(index), dt).unwrap_or(0.0)
-        };
-        // On a torus, bounds are cut so that few images of other particles are in them: `grow`
-        // finds more when a particle gets there. The candidates of particles that merge are
-        // searched once, so their bounds are not cut.
-        let longest =
-            if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
-        let len = particles.len();
-        let columns = shapes.columns_mut();
-        columns.centers.clone_from(&particles.positions);
-        *columns.half_sizes = None;
-        fill_filters(particles.filters.iter().copied(), columns.filters);
-        let radii = columns.radii.rows_mut();
-        radii.resize(len, 0.0);
-        max_displacements.resize(len, 0.0);
-        // If an own displacement is cut, its particle may leave the bounds without any event. Then
-        // the first flight must test where particles get.
-        let is_cut = AtomicBool::new(false);
-        let sides = torus_sides(&settings.container);
-        parallel::for_chunks_of_two(
-            threads,
-            max_displacements,
-            radii,
-            |first, max_displacements, radii| {
-                let bounds = max_displacements.iter_mut().zip(&mut *radii);
-                let columns =
-                    particles.velocities[first..].iter().zip(&particles.positions[first..]);
-                let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
-                let mut any_cut = false;
-                let all = bounds.zip(columns).zip(own).zip(first..);
-                for (
-                    (
-                        ((max_displacement, radius), (&velocity, &center)),
-                        (&own_radius, &is_movable),
-                    ),
-                    index,
-                ) in all
-                {
-                    let own = distance_at(velocity, dt);
-                    let mut by_forces = fall;
-                    if is_pulled {
-                        by_forces += pulled(index);
-                    }
-                    // Nothing but its own velocity moves an immovable particle.
-                    let (least, by_forces) =
-                        if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
-                    *max_displacement = (own.max(least) + by_forces).min(longest);
-                    any_cut |= *max_displacement < own + by_forces;
-                    *radius =
-                        own_radius + *max_displacement + rounding_of(center, own_radius, sides);
+/// Computes the bounds of a part of a step. If a particle moves farther, [`StepBounds::grow`] enlarges
+/// its bounds: the answer does not depend on them. Returns whether all particles stay in theirs if they have no
+/// events.
+pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
+    let Plan { may_rest, threads, horizon: dt, .. } = *plan;
+    let super::StepScratch { max_displacements, forces, horizon, shapes, .. } = &mut world.scratch;
+    let (particles, settings) = (&world.bodies.awake.particles, &world.settings);
+    // A collision may make a slow particle faster. So each movable particle gets at least the
+    // usual displacement, and few leave their bounds, which would cost a search for each.
+    let usual = (horizon.usual_speed * dt).min(settings.container.max_displacement());
+    let accelerations = &forces.accelerations;
+    let fall = distance_of_fall(settings.gravity, dt);
+    let free = FreeDisplacements::new(settings, forces, plan.dt);
+    // Particles that merge are not searched again, so their bounds contain the estimated
+    // displacements by springs.
+    let is_merging = settings.on_touch == OnTouch::Merge;
+    let by_springs = if is_merging { &forces.max_displacements[..] } else { &[] };
+    let is_pulled = !(accelerations.is_empty() && by_springs.is_empty());
+    let pulled = |index: usize| {
+        force_displacement(accelerations.get(index), by_springs.get(index), dt).unwrap_or(0.0)
+    };
+    // On a torus, bounds are cut so that few images of other particles are in them: `grow`
+    // finds more when a particle gets there. The candidates of particles that merge are
+    // searched once, so their bounds are not cut.
+    let longest = if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
+    let len = particles.len();
+    let columns = shapes.columns_mut();
+    columns.centers.clone_from(&particles.positions);
+    *columns.half_sizes = None;
+    fill_filters(particles.filters.iter().copied(), columns.filters);
+    let radii = columns.radii.rows_mut();
+    radii.resize(len, 0.0);
+    max_displacements.resize(len, 0.0);
+    // If an own displacement is cut, its particle may leave the bounds without any event. Then
+    // the first flight must test where particles get.
+    let is_cut = AtomicBool::new(false);
+    let sides = torus_sides(&settings.container);
+    parallel::for_chunks_of_two(
+        threads,
+        max_displacements,
+        radii,
+        |first, max_displacements, radii| {
+            let bounds = max_displacements.iter_mut().zip(&mut *radii);
+            let columns = particles.velocities[first..].iter().zip(&particles.positions[first..]);
+            let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
+            let mut any_cut = false;
+            let all = bounds.zip(columns).zip(own).zip(first..);
+            for (
+                (((max_displacement, radius), (&velocity, &center)), (&own_radius, &is_movable)),
+                index,
+            ) in all
+            {
+                let own = distance_at(velocity, dt);
+                let mut by_forces = fall;
+                if is_pulled {
+                    by_forces += pulled(index);
                 }
-                // The value is read after all threads have joined, so no order of memory is needed.
-                if any_cut {
-                    is_cut.store(true, Ordering::Relaxed);
-                }
-                // Contacts are made of pairs that come near each other by themselves. Candidates
-                // must contain these pairs. Otherwise the size of the bounds would decide which
-                // contacts there are.
-                if !may_rest {
-                    return;
-                }
-                let bounds = max_displacements.iter_mut().zip(radii).zip(first..);
-                contain_contacts(particles, &free, bounds);
-            },
-        );
-        !is_cut.into_inner()
-    }
+                // Nothing but its own velocity moves an immovable particle.
+                let (least, by_forces) = if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
+                *max_displacement = (own.max(least) + by_forces).min(longest);
+                any_cut |= *max_displacement < own + by_forces;
+                *radius = own_radius + *max_displacement + rounding_of(center, own_radius, sides);
+            }
+            // The value is read after all threads have joined, so no order of memory is needed.
+            if any_cut {
+                is_cut.store(true, Ordering::Relaxed);
+            }
+            // Contacts are made of pairs that come near each other by themselves. Candidates
+            // must contain these pairs. Otherwise the size of the bounds would decide which
+            // contacts there are.
+            if !may_rest {
+                return;
+            }
+            let bounds = max_displacements.iter_mut().zip(radii).zip(first..);
+            contain_contacts(particles, &free, bounds);
+        },
+    );
+    !is_cut.into_inner()
 }
 
 /// How far particles get in a step by their velocities and by forces, if nothing hits them.

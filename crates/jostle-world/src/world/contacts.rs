@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use super::bounds::{FreeDisplacements, reach};
 use super::plan::Plan;
+use super::refinement::own_refinement;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::contacts::Materials;
@@ -75,7 +76,7 @@ impl World {
         interrupt::check()?;
         // Ranks solve colour after colour together, with an exchange of ghosts between. So all need
         // the same number of colours and rounds, and the same number of sub-steps.
-        let (shape, refinement) = (self.contacts.shape(), self.own_refinement(plan));
+        let (shape, refinement) = (self.contacts.shape(), own_refinement(self, plan));
         let (shape, refinement) = self.halo.protocol().agree_on_order(self, shape, refinement)?;
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. },

@@ -7,7 +7,10 @@
 use std::any::Any;
 
 use super::bodies::asleep::Sleepers;
+use super::bodies::ids::Ids;
 use super::islands::wake::{wake, wake_changed, wake_driven, wake_every_island};
+use super::merge::merge_touching;
+use super::touching::known_touches_asleep;
 use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
 use crate::halo::{Alone, Halo};
@@ -56,6 +59,18 @@ pub(crate) trait Distribution: Halo + Any + Send {
     /// The id of each row among the particles of all processes; empty if the world knows them.
     fn ids(&self) -> &[Id] {
         &[]
+    }
+
+    /// The id of a row among the particles of all processes.
+    fn id_among_all(&self, ids: &Ids, row: u32) -> Id {
+        if self.is_whole() { ids.of(row) } else { self.ids()[row as usize] }
+    }
+
+    /// The ids of two rows, the smaller first; none of two ghosts, whose own processes know them.
+    fn known_pair(&self, ids: &Ids, rows: [u32; 2]) -> Option<[Id; 2]> {
+        let is_known = rows.iter().any(|&row| row < self.own_rows());
+        let [a, b] = rows.map(|row| self.id_among_all(ids, row));
+        is_known.then_some([a.min(b), a.max(b)])
     }
 
     /// What the particles of all processes require; None if it is what the own ones require.
@@ -156,7 +171,7 @@ pub(crate) trait Protocol: Sync {
 
     /// Merges each island of pairs of indices that touch; returns whether any merged.
     fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
-        world.merge_touching(touching)
+        merge_touching(world, touching)
     }
 
     /// Gets the ghosts near the present positions of own particles.
@@ -219,7 +234,7 @@ pub(crate) trait Protocol: Sync {
 
     /// The ids of the pairs of sleeping particles that touch.
     fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
-        world.known_touches_asleep()
+        known_touches_asleep(&world.bodies, &world.record)
     }
 }
 

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::World;
+use super::bodies::Bodies;
 use super::bodies::discs::RecentMotion;
-use super::bodies::ids::retain_unless;
+use super::distribution::Distribution;
 use super::islands::wake::{wake_all, wake_changed};
 use crate::particles::{Changes, Effect, Particles};
 use jostle_base::error::{Error, Result};
@@ -33,7 +34,7 @@ impl World {
         }
         self.bodies.awake.particles.extend(&particles);
         self.bodies.awake.rows.extend(old as u32..new as u32);
-        self.external.iter_mut().for_each(|external| external.resize(new, [0.0; 2]));
+        self.external.resize(new);
         self.bodies.awake.persistent.resize(self.bodies.awake.rows.len());
         self.bodies.forget_indices();
         Ok(ids)
@@ -51,34 +52,12 @@ impl World {
         wake_changed(self, &rows);
         let mut gone = vec![false; self.len()];
         rows.iter().for_each(|&row| gone[row as usize] = true);
-        let shifted = self.take_out(&gone);
+        let shifted = take_out(self, &gone);
         self.influences
             .renumber(|row| (!gone[row as usize]).then(|| Id::from(shifted[row as usize])));
         let ids = &self.bodies.ids;
         self.record.drop_merged(|id| ids.row(id).is_some());
-        self.end_external_of_none()
-    }
-
-    /// Removes rows, so that the others move up; returns how many remain before each.
-    pub(crate) fn take_out(&mut self, gone: &[bool]) -> Vec<u32> {
-        let mut shifted = Vec::with_capacity(self.len());
-        let mut left = 0;
-        for &gone in gone {
-            shifted.push(left);
-            left += u32::from(!gone);
-        }
-        // Columns of awake particles are by index; `gone` and `shifted` are by row.
-        let keep: Vec<bool> =
-            self.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
-        self.boundaries.renumber(gone, &shifted);
-        self.bodies.keep(&keep);
-        self.contacts.retain(&keep);
-        self.bodies.ids.remove(gone);
-        self.external.iter_mut().for_each(|external| retain_unless(external, gone));
-        self.bodies.asleep.renumber(&shifted);
-        self.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        self.bodies.forget_indices();
-        shifted
+        self.external.end_if_zero(&*self.halo)
     }
 
     /// A copy of some particles, in this order. It costs as much as there are ids.
@@ -93,13 +72,13 @@ impl World {
     /// do not touch it sleep on if only its velocities change.
     pub fn set(&mut self, ids: &[Id], changes: &Changes) -> Result<()> {
         let rows = self.bodies.distinct_rows_of(ids)?;
-        self.set_rows(&rows, changes)
+        set_rows(self, &rows, changes)
     }
 
     /// As [`World::set`], of all particles in the order of adding.
     pub fn set_all(&mut self, changes: &Changes) -> Result<()> {
         let rows: Vec<u32> = (0..self.len() as u32).collect();
-        self.set_rows(&rows, changes)
+        set_rows(self, &rows, changes)
     }
 
     /// As [`World::set_all`]; `change` gets a copy of all particles in the order of adding. A particle with
@@ -130,7 +109,7 @@ impl World {
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
         copy.simplify();
-        self.wake_edited(rows, &before, &copy)?;
+        wake_edited(self, rows, &before, &copy)?;
         let (indices, len) = (self.bodies.indices_of(rows), self.bodies.awake.rows.len());
         for (nth, index) in indices.into_iter().enumerate() {
             // Those that still sleep have not changed; their indices are behind those of all others.
@@ -141,58 +120,84 @@ impl World {
         self.bodies.awake.particles.drop_defaults();
         Ok(())
     }
+}
 
-    fn set_rows(&mut self, rows: &[u32], changes: &Changes) -> Result<()> {
-        changes.validate(rows.len())?;
-        if let Some(radii) = &changes.radii {
-            radii.check(|radii| self.settings.container.check_fit(radii))?;
-        }
-        if let Some(kinds) = &changes.kinds {
-            kinds.check(|kinds| self.influences.check_kinds(kinds))?;
-        }
-        // The copies are made only if some part of the world must know what changes.
-        if self.may_wake() {
-            let before = self.bodies.particles_in(rows);
-            let mut after = before.clone();
-            changes.write(&mut after, &(0..rows.len() as u32).collect::<Vec<u32>>());
-            self.wake_edited(rows, &before, &after)?;
-        }
-        // As above, sleeping particles are left out.
-        let indices = self.bodies.indices_of(rows);
-        changes.write(&mut self.bodies.awake.particles, &indices);
-        Ok(())
+/// Removes rows, so that the others move up; returns how many remain before each.
+pub(crate) fn take_out(world: &mut World, gone: &[bool]) -> Vec<u32> {
+    let mut shifted = Vec::with_capacity(world.len());
+    let mut left = 0;
+    for &gone in gone {
+        shifted.push(left);
+        left += u32::from(!gone);
     }
+    // Columns of awake particles are by index; `gone` and `shifted` are by row.
+    let keep: Vec<bool> = world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
+    world.boundaries.renumber(gone, &shifted);
+    world.bodies.keep(&keep);
+    world.contacts.retain(&keep);
+    world.bodies.ids.remove(gone);
+    world.external.remove(gone);
+    world.bodies.asleep.renumber(&shifted);
+    world.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+    world.bodies.forget_indices();
+    shifted
+}
 
-    /// Whether changes may wake particles, or concern those whose motion is observed.
-    fn may_wake(&self) -> bool {
-        !self.bodies.asleep.is_empty()
-            || !self.bodies.awake.persistent.recent_motions.is_empty()
-            || !self.halo.is_alone()
+fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
+    changes.validate(rows.len())?;
+    if let Some(radii) = &changes.radii {
+        radii.check(|radii| world.settings.container.check_fit(radii))?;
     }
+    if let Some(kinds) = &changes.kinds {
+        kinds.check(|kinds| world.influences.check_kinds(kinds))?;
+    }
+    // The copies are made only if some part of the world must know what changes.
+    if may_wake(&world.bodies, &*world.halo) {
+        let before = world.bodies.particles_in(rows);
+        let mut after = before.clone();
+        changes.write(&mut after, &(0..rows.len() as u32).collect::<Vec<u32>>());
+        wake_edited(world, rows, &before, &after)?;
+    }
+    // As above, sleeping particles are left out.
+    let indices = world.bodies.indices_of(rows);
+    changes.write(&mut world.bodies.awake.particles, &indices);
+    Ok(())
+}
 
-    /// Wakes what changes concern, and forgets how the changed particles moved.
-    fn wake_edited(&mut self, rows: &[u32], before: &Particles, after: &Particles) -> Result<()> {
-        if !self.may_wake() {
-            return Ok(());
-        }
-        let (mut driven, mut changed) = (Vec::new(), Vec::new());
-        for (nth, &row) in rows.iter().enumerate() {
-            match Effect::of(before, after, nth) {
-                Effect::None => {}
-                // A new velocity of an immovable particle concerns only what touches it. A new
-                // position may concern islands that nothing here knows of.
-                Effect::Velocity if !before.movable[nth] => driven.push(row),
-                _ => changed.push(row),
-            }
-        }
-        for index in self.bodies.indices_of(&changed) {
-            // What was observed of the particle does not hold after the change. It is observed for
-            // two whole quarters again before it may sleep.
-            let recent = &mut self.bodies.awake.persistent.recent_motions;
-            if let Some(recent) = recent.get_mut(index as usize) {
-                *recent = RecentMotion::UNKNOWN;
-            }
-        }
-        self.halo.protocol().wake_edited(self, &mut driven, &changed)
+/// Whether changes may wake particles, or concern those whose motion is observed.
+fn may_wake(bodies: &Bodies, halo: &dyn Distribution) -> bool {
+    !bodies.asleep.is_empty()
+        || !bodies.awake.persistent.recent_motions.is_empty()
+        || !halo.is_alone()
+}
+
+/// Wakes what changes concern, and forgets how the changed particles moved.
+fn wake_edited(
+    world: &mut World,
+    rows: &[u32],
+    before: &Particles,
+    after: &Particles,
+) -> Result<()> {
+    if !may_wake(&world.bodies, &*world.halo) {
+        return Ok(());
     }
+    let (mut driven, mut changed) = (Vec::new(), Vec::new());
+    for (nth, &row) in rows.iter().enumerate() {
+        match Effect::of(before, after, nth) {
+            Effect::None => {}
+            // A new velocity of an immovable particle concerns only what touches it. A new
+            // position may concern islands that nothing here knows of.
+            Effect::Velocity if !before.movable[nth] => driven.push(row),
+            _ => changed.push(row),
+        }
+    }
+    for index in world.bodies.indices_of(&changed) {
+        // What was observed of the particle does not hold after the change. It is observed for
+        // two whole quarters again before it may sleep.
+        let recent = &mut world.bodies.awake.persistent.recent_motions;
+        if let Some(recent) = recent.get_mut(index as usize) {
+            *recent = RecentMotion::UNKNOWN;
+        }
+    }
+    world.halo.protocol().wake_edited(world, &mut driven, &changed)
 }

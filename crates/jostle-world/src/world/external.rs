@@ -2,51 +2,109 @@
 //! world all processes make the same calls, each for its own particles, and there are no ghosts.
 
 use super::World;
-use crate::particles::check_vectors;
+use super::bodies::Bodies;
+use super::bodies::ids::retain_unless;
+use super::distribution::Distribution;
+use crate::forces::Influences;
+use crate::halo::Halo;
+use crate::particles::{Particles, check_vectors};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::saved;
 
-impl World {
-    /// The external accelerations in the order of adding; empty if there are none.
-    pub fn external_accelerations(&self) -> &[[f32; 2]] {
-        self.external.as_deref().unwrap_or_default()
+/// The external accelerations, by row.
+#[derive(Debug, Default)]
+pub(crate) struct External {
+    /// None if there are none on any process.
+    pub(crate) accelerations: Option<Vec<[f32; 2]>>,
+    /// Those before the attempt at a step.
+    before: Option<Vec<[f32; 2]>>,
+}
+
+saved! { struct External { accelerations; before } }
+
+impl External {
+    /// Whether there are any, on any process.
+    pub(crate) fn act(&self) -> bool {
+        self.accelerations.is_some()
     }
 
-    /// Gives each particle an acceleration, beside those of forces and gravity, in place of what was
-    /// given before. Particles that are accelerated wake.
-    pub fn set_accelerations(&mut self, accelerations: Vec<[f32; 2]>) -> Result<()> {
-        let (found, expected) = (accelerations.len(), self.len());
-        let checked = if found == expected {
-            check_vectors("accelerations", &accelerations)
-        } else {
-            Err(Error::Length { argument: "accelerations", found, expected })
-        };
-        self.tell_error(checked)?;
-        self.replace_external(accelerations)
+    /// Those of all rows; empty if there are none.
+    pub(crate) fn all(&self) -> &[[f32; 2]] {
+        self.accelerations.as_deref().unwrap_or_default()
     }
 
-    /// Ends all external accelerations.
-    pub fn clear_accelerations(&mut self) {
-        self.external = None;
+    /// That of a row.
+    pub(crate) fn of(&self, row: u32) -> [f32; 2] {
+        self.all().get(row as usize).copied().unwrap_or_default()
     }
 
-    /// Adds forces on some particles to the external ones.
-    pub fn add_forces(&mut self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<()> {
-        let sums = self.with_forces(ids, newtons);
-        let sums = self.tell_error(sums)?;
-        self.replace_external(sums)
+    /// Begins an attempt at a step, which [`External::undo`] takes back.
+    pub(crate) fn begin_attempt(&mut self) {
+        self.before.clone_from(&self.accelerations);
     }
 
-    /// The external accelerations with those by some forces.
-    fn with_forces(&self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<Vec<[f32; 2]>> {
-        let rows = self.bodies.rows_of(ids)?;
+    /// Restores what there was before the attempt.
+    pub(crate) fn undo(&mut self) {
+        std::mem::swap(&mut self.accelerations, &mut self.before);
+    }
+
+    /// Changes the number of rows; new ones have no acceleration.
+    pub(crate) fn resize(&mut self, len: usize) {
+        self.accelerations.iter_mut().for_each(|all| all.resize(len, [0.0; 2]));
+    }
+
+    /// Removes some rows.
+    pub(crate) fn remove(&mut self, gone: &[bool]) {
+        self.accelerations.iter_mut().for_each(|all| retain_unless(all, gone));
+    }
+
+    /// Sets that of a row, if there are any.
+    pub(crate) fn set(&mut self, row: u32, acceleration: [f32; 2]) {
+        if let Some(all) = &mut self.accelerations {
+            all[row as usize] = acceleration;
+        }
+    }
+
+    /// Removes all if they are 0 for all particles of all processes.
+    pub(crate) fn end_if_zero(&mut self, halo: &dyn Halo) -> Result<()> {
+        let acts = self.all().iter().any(|external| *external != [0.0; 2]);
+        if self.act() && !halo.any(acts)? {
+            self.accelerations = None;
+        }
+        Ok(())
+    }
+
+    /// Adds the external acceleration of each particle to others, which are by index.
+    pub(crate) fn add_to(&self, accelerations: &mut [[f32; 2]], rows: &[u32]) {
+        let Some(external) = &self.accelerations else { return };
+        for (sum, &row) in accelerations.iter_mut().zip(rows) {
+            let own = external[row as usize];
+            *sum = [0, 1].map(|k| sum[k] + own[k]);
+        }
+    }
+
+    /// Gives the smallest row of merging particles the sum of the forces on them over their mass.
+    pub(crate) fn merge(&mut self, particles: &Particles, rows: &[u32], indices: &[usize]) {
+        let of = |&index: &usize| (particles.masses[index], self.of(rows[index]));
+        let joint = joint_acceleration(indices.iter().map(of));
+        let first = indices.iter().map(|&index| rows[index]).fold(u32::MAX, u32::min);
+        self.set(first, joint);
+    }
+
+    /// The accelerations with those by some more forces.
+    fn with_forces(
+        &self,
+        bodies: &Bodies,
+        halo: &dyn Distribution,
+        (ids, newtons): (&[Id], &[[f32; 2]]),
+    ) -> Result<Vec<[f32; 2]>> {
+        let rows = bodies.rows_of(ids)?;
         check_vectors("forces", newtons)?;
-        let external = self.external_accelerations();
         // Sums are in float64, so that several forces on one particle are rounded once.
-        let mut sums: Vec<[f64; 2]> =
-            external.iter().map(|external| external.map(f64::from)).collect();
-        sums.resize(self.len(), [0.0; 2]);
-        let masses = self.bodies.masses();
+        let mut sums: Vec<[f64; 2]> = self.all().iter().map(|own| own.map(f64::from)).collect();
+        sums.resize(bodies.len(), [0.0; 2]);
+        let masses = bodies.masses();
         for (&row, force) in rows.iter().zip(newtons) {
             let row = row as usize;
             let mass = f64::from(masses[row]);
@@ -58,67 +116,88 @@ impl World {
             rows.iter().position(|&row| check_vectors("forces", &[sums[row as usize]]).is_err())
         {
             let [x, y] = newtons[index];
-            let id = self.id_among_all(rows[index]);
+            let id = halo.id_among_all(&bodies.ids, rows[index]);
             let rule = format!("the acceleration of particle {id} would be too large");
             let value = format!("({x}, {y})");
             // In a distributed world `newtons` is not the argument of the caller.
-            return Err(match self.halo.is_whole() {
+            return Err(match halo.is_whole() {
                 true => Error::at("forces", index, value, &rule),
                 false => Error::of("forces", value, &rule),
             });
         }
         Ok(sums)
     }
+}
 
-    /// Tells the other processes of an error, so that their next call returns one, too.
-    fn tell_error<V>(&self, checked: Result<V>) -> Result<V> {
-        if checked.is_err() {
-            self.halo.fail();
-        }
-        checked
+impl World {
+    /// The external accelerations in the order of adding; empty if there are none.
+    pub fn external_accelerations(&self) -> &[[f32; 2]] {
+        self.external.all()
     }
 
-    /// Replaces the external accelerations; nothing accelerates immovable particles.
-    fn replace_external(&mut self, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
-        for (external, movable) in accelerations.iter_mut().zip(self.bodies.movable()) {
-            *external = if movable { *external } else { [0.0; 2] };
-        }
-        let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);
-        let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
-        // All ranks must make the same stages of a step, so all have external accelerations or
-        // none.
-        let acts = self.halo().any(!rows.is_empty())?;
-        if acts {
-            self.halo.protocol().wake_edited(self, &mut [], &rows)?;
-        }
-        self.external = acts.then_some(accelerations);
-        Ok(())
+    /// Gives each particle an acceleration, beside those of forces and gravity, in place of the external one
+    /// before. Particles that are accelerated wake.
+    pub fn set_accelerations(&mut self, accelerations: Vec<[f32; 2]>) -> Result<()> {
+        let (found, expected) = (accelerations.len(), self.len());
+        let checked = if found == expected {
+            check_vectors("accelerations", &accelerations)
+        } else {
+            Err(Error::Length { argument: "accelerations", found, expected })
+        };
+        tell_error(&*self.halo, checked)?;
+        replace(self, accelerations)
     }
 
-    /// Removes the external accelerations if they are 0 for all particles of all processes.
-    pub(crate) fn end_external_of_none(&mut self) -> Result<()> {
-        let acts = self.external_accelerations().iter().any(|external| *external != [0.0; 2]);
-        if self.external.is_some() && !self.halo().any(acts)? {
-            self.external = None;
-        }
-        Ok(())
+    /// Ends all external accelerations.
+    pub fn clear_accelerations(&mut self) {
+        self.external.accelerations = None;
     }
 
-    /// Whether anything accelerates particles, apart from gravity and springs.
-    pub(crate) fn has_accelerations(&self) -> bool {
-        self.external.is_some() || self.influences.has_forces()
+    /// Adds forces on some particles to the external ones.
+    pub fn add_forces(&mut self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<()> {
+        let sums = self.external.with_forces(&self.bodies, &*self.halo, (ids, newtons));
+        let sums = tell_error(&*self.halo, sums)?;
+        replace(self, sums)
     }
 }
 
-/// Adds the external acceleration of each particle. `accelerations` and `rows` are by index, `external` by row.
-pub(crate) fn add_external(
-    accelerations: &mut [[f32; 2]],
-    rows: &[u32],
-    external: Option<&[[f32; 2]]>,
-) {
-    let Some(external) = external else { return };
-    for (sum, &row) in accelerations.iter_mut().zip(rows) {
-        let own = external[row as usize];
-        *sum = [0, 1].map(|k| sum[k] + own[k]);
+/// Tells the other processes of an error, so that their next call returns one, too.
+fn tell_error<V>(halo: &dyn Distribution, checked: Result<V>) -> Result<V> {
+    if checked.is_err() {
+        halo.fail();
     }
+    checked
+}
+
+/// Replaces the external accelerations; nothing accelerates immovable particles. Those that are accelerated wake.
+fn replace(world: &mut World, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
+    for (external, movable) in accelerations.iter_mut().zip(world.bodies.movable()) {
+        *external = if movable { *external } else { [0.0; 2] };
+    }
+    let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);
+    let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
+    // All ranks must make the same stages of a step, so all have external accelerations or
+    // none.
+    let acts = world.halo().any(!rows.is_empty())?;
+    if acts {
+        world.halo.protocol().wake_edited(world, &mut [], &rows)?;
+    }
+    world.external.accelerations = acts.then_some(accelerations);
+    Ok(())
+}
+
+/// Whether anything accelerates particles, apart from gravity and springs.
+pub(crate) fn has_accelerations(external: &External, influences: &Influences) -> bool {
+    external.act() || influences.has_forces()
+}
+
+/// The sum of the external forces on merging particles over their mass, from masses and accelerations.
+pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
+    let (mut mass, mut sum) = (0.0, [0.0; 2]);
+    for (own, external) in all {
+        let own = f64::from(own);
+        mass += own;
+        sum = [0, 1].map(|k| sum[k] + own * f64::from(external[k]));
+    }
+    sum.map(|force| (force / mass) as f32)
 }

@@ -1,7 +1,8 @@
 //! The forces of a world in a step: accelerations, kicks and springs.
 
 use super::bodies as world_bodies;
-use super::external::add_external;
+use super::displacements::id_of;
+use super::external::has_accelerations;
 use super::{World, WorldSettings};
 use crate::container::Container;
 use crate::flow::{Flow, Kick};
@@ -63,14 +64,14 @@ impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(crate) fn apply_forces(&mut self, dt: f32, substeps: usize) -> Result<()> {
-        let has_accelerations = self.has_accelerations();
+        let has_accelerations = has_accelerations(&self.external, &self.influences);
         self.scratch.kicks.clear();
         let settings = &self.settings;
         let scratch = &mut self.scratch.forces;
         scratch.accelerations.clear();
         scratch.max_displacements.clear();
         scratch.are_springs_stiff = false;
-        if self.influences.is_empty() && self.external.is_none() {
+        if self.influences.is_empty() && !self.external.act() {
             return Ok(());
         }
         find_indices(
@@ -93,7 +94,7 @@ impl World {
             scratch.velocities.clone_from(&particles.velocities);
             self.accelerate(h)?;
         }
-        self.estimate_springs(dt, substeps);
+        estimate_springs(self, dt, substeps);
         let ForceScratch { accelerations, max_displacements, .. } = &self.scratch.forces;
         let particles = &self.bodies.awake.particles;
         let displacement = |index: usize| {
@@ -106,32 +107,10 @@ impl World {
             return Ok(());
         }
         let most = particles::FARTHEST;
-        let id = self.id_of(longest, |index| displacement(index).unwrap_or(0.0));
+        let id =
+            id_of(&self.bodies, &*self.halo, longest, |index| displacement(index).unwrap_or(0.0));
         let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
-    }
-
-    /// Estimates displacements by springs, and finds out whether any are stiff.
-    fn estimate_springs(&mut self, dt: f32, substeps: usize) {
-        let Self {
-            bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
-            influences,
-            settings,
-            scratch,
-            ..
-        } = self;
-        let h = f64::from(dt) / substeps as f64;
-        let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
-            &mut scratch.forces;
-        let all = awake_springs(influences, indices);
-        if all.clone().next().is_none() {
-            return;
-        }
-        let bodies = bodies(particles, &particles.positions, (rows, indices), settings);
-        *are_springs_stiff =
-            forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums);
-        let velocities = &particles.velocities;
-        forces::springs::max_displacements(all, &bodies, velocities, dt, groups, max_displacements);
     }
 
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
@@ -152,41 +131,63 @@ impl World {
         self.influences.accelerate(&bodies, scratch, accelerations);
         // External accelerations come after the limits of forces, so the speed limits of a flock do
         // not cut them.
-        add_external(accelerations, rows, external.as_deref());
+        external.add_to(accelerations, rows);
         interrupt::check()?;
         self.halo.protocol().share_accelerations(self)
     }
+}
 
-    /// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds.
-    pub(crate) fn apply_andersen(&mut self, dt: f32, threads: Option<usize>) {
-        let Some(&andersen) = self.influences.andersen_thermostats().next() else { return };
-        let time = self.time;
-        let Particles { positions, residuals, velocities, masses, movable, .. } =
-            &mut self.bodies.awake.particles;
-        parallel::for_chunks(threads, velocities, |first, velocities| {
-            for (velocity, index) in velocities.iter_mut().zip(first..) {
-                // The random numbers follow from the state of the particle, the seed and the time.
-                // So they depend on no index, no thread and no other particle.
-                let ([x, y], [a, b], [u, v]) = (positions[index], residuals[index], *velocity);
-                let state = [x, y, a, b, u, v].map(f64::from);
-                let [x, y, a, b, u, v] = state;
-                if movable[index]
-                    && let Some(new) =
-                        andersen.velocity(masses[index], dt, &[x, y, a, b, u, v, time])
-                {
-                    *velocity = new;
-                }
+/// Estimates displacements by springs, and finds out whether any are stiff.
+fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
+    let World {
+        bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
+        influences,
+        settings,
+        scratch,
+        ..
+    } = world;
+    let h = f64::from(dt) / substeps as f64;
+    let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
+        &mut scratch.forces;
+    let all = awake_springs(influences, indices);
+    if all.clone().next().is_none() {
+        return;
+    }
+    let bodies = bodies(particles, &particles.positions, (rows, indices), settings);
+    *are_springs_stiff =
+        forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums);
+    let velocities = &particles.velocities;
+    forces::springs::max_displacements(all, &bodies, velocities, dt, groups, max_displacements);
+}
+
+/// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds.
+pub(crate) fn apply_andersen(world: &mut World, dt: f32, threads: Option<usize>) {
+    let Some(&andersen) = world.influences.andersen_thermostats().next() else { return };
+    let time = world.time;
+    let Particles { positions, residuals, velocities, masses, movable, .. } =
+        &mut world.bodies.awake.particles;
+    parallel::for_chunks(threads, velocities, |first, velocities| {
+        for (velocity, index) in velocities.iter_mut().zip(first..) {
+            // The random numbers follow from the state of the particle, the seed and the time.
+            // So they depend on no index, no thread and no other particle.
+            let ([x, y], [a, b], [u, v]) = (positions[index], residuals[index], *velocity);
+            let state = [x, y, a, b, u, v].map(f64::from);
+            let [x, y, a, b, u, v] = state;
+            if movable[index]
+                && let Some(new) = andersen.velocity(masses[index], dt, &[x, y, a, b, u, v, time])
+            {
+                *velocity = new;
             }
-        });
-    }
+        }
+    });
+}
 
-    /// Removes springs that are stretched too far.
-    pub(crate) fn break_springs(&mut self) {
-        let (particles, settings) = (&self.bodies.awake.particles, &self.settings);
-        let rows = (&self.bodies.awake.rows[..], &self.scratch.forces.indices[..]);
-        let bodies = bodies(particles, &particles.positions, rows, settings);
-        self.influences.break_springs(&bodies);
-    }
+/// Removes springs that are stretched too far.
+pub(crate) fn break_springs(world: &mut World) {
+    let (particles, settings) = (&world.bodies.awake.particles, &world.settings);
+    let rows = (&world.bodies.awake.rows[..], &world.scratch.forces.indices[..]);
+    let bodies = bodies(particles, &particles.positions, rows, settings);
+    world.influences.break_springs(&bodies);
 }
 
 /// The springs of particles that are awake.

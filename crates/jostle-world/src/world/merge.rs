@@ -5,7 +5,11 @@
 //! touching particles merges into one. If merged particles overlap others, these merge too, in
 //! a limited number of iterations.
 
+use super::bodies::discs::Discs;
 use super::bodies::ids::renumber;
+use super::edits::take_out;
+use super::record::record_pairs;
+use super::search::overlapping;
 use super::{OnTouch, World};
 use crate::container::Container;
 use crate::motion::Motions;
@@ -87,145 +91,113 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
     dot(nearest, nearest) < radius_sum * radius_sum
 }
 
-impl World {
-    /// Merges the particles that touched, and those that merged particles then overlap.
-    pub(crate) fn merge(&mut self) -> Result<()> {
-        if self.settings.on_touch != OnTouch::Merge {
+/// Merges the particles that touched, and those that merged particles then overlap.
+pub(crate) fn merge(world: &mut World) -> Result<()> {
+    if world.settings.on_touch != OnTouch::Merge {
+        return Ok(());
+    }
+    let candidates = std::mem::take(&mut world.scratch.candidate_merges);
+    let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
+    let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
+    world.scratch.candidate_merges = candidates;
+    let protocol = world.halo.protocol();
+    // A merged particle is larger, and may overlap others that none of its parts has touched.
+    // Each iteration merges these. The limit bounds the time of a step; the next step goes on.
+    for _ in 0..ROUNDS {
+        let own = world.halo.own_rows();
+        // Pairs of two ghosts are found by the processes that own these particles.
+        touching
+            .retain(|pair| pair.iter().any(|&index| world.bodies.awake.rows[index as usize] < own));
+        record_pairs(world, &touching);
+        if !world.halo().any(!touching.is_empty())? || !protocol.merge_islands(world, &touching)? {
             return Ok(());
         }
-        let candidates = std::mem::take(&mut self.scratch.candidate_merges);
-        let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
-        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
-        self.scratch.candidate_merges = candidates;
-        let protocol = self.halo.protocol();
-        // A merged particle is larger, and may overlap others that none of its parts has touched.
-        // Each iteration merges these. The limit bounds the time of a step; the next step goes on.
-        for _ in 0..ROUNDS {
-            let own = self.halo.own_rows();
-            // Pairs of two ghosts are found by the processes that own these particles.
-            touching.retain(|pair| {
-                pair.iter().any(|&index| self.bodies.awake.rows[index as usize] < own)
-            });
-            self.record_pairs(&touching);
-            if !self.halo().any(!touching.is_empty())?
-                || !protocol.merge_islands(self, &touching)?
-            {
-                return Ok(());
-            }
-            protocol.gather_near(self)?;
-            touching = self.pairs_to_merge()?;
-        }
-        Ok(())
+        protocol.gather_near(world)?;
+        touching = pairs_to_merge(world)?;
     }
-
-    /// The pairs of indices that overlap and may merge.
-    pub(crate) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
-        let (overlaps, tests) = self.overlapping()?;
-        self.stats.tests += tests;
-        let is_sensor = |index: u32| self.bodies.awake.particles.is_sensor(index as usize);
-        let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
-        Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
-    }
-
-    /// Merges each island of these pairs of indices; returns whether any merged.
-    pub(crate) fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
-        // All that touch, also through others, become one particle at once. If pairs merged one
-        // after the other, the result would depend on their order.
-        let mut groups = DisjointSets::default();
-        groups.reset(self.len());
-        touching.iter().for_each(|&[a, b]| groups.join(a, b));
-        let mut members: Vec<[u32; 2]> =
-            touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
-        // By islands, then by indices: `union` adds in the canonical order.
-        members.sort_unstable();
-        members.dedup();
-        // The new row of each old one, before renumbering: the smallest of its island.
-        let mut heirs: Vec<u32> = (0..self.len() as u32).collect();
-        let mut any = false;
-        for group in members.chunk_by(|a, b| a[0] == b[0]) {
-            let indices: Vec<usize> = group.iter().map(|&[_, index]| index as usize).collect();
-            let Some(one) = union(&self.bodies.awake.particles, &indices, &self.settings.container)
-            else {
-                continue;
-            };
-            any = true;
-            self.merge_external(&indices);
-            let len = self.bodies.awake.rows.len();
-            self.bodies.awake.particles.put(len, indices[0], &one, 0);
-            let rows = indices.iter().map(|&index| self.bodies.awake.rows[index]);
-            let first = rows.clone().fold(u32::MAX, u32::min);
-            rows.for_each(|row| heirs[row as usize] = first);
-            // The merged particle has the first index: it comes from the state, not from the row.
-            let holder = indices
-                .iter()
-                .position(|&index| self.bodies.awake.rows[index] == first)
-                .unwrap_or(0);
-            self.bodies.awake.rows.swap(indices[0], indices[holder]);
-        }
-        if any {
-            self.close_up(&heirs)?;
-        }
-        Ok(any)
-    }
-
-    /// The smallest row of merging particles gets the sum of the external forces on them over their mass.
-    fn merge_external(&mut self, indices: &[usize]) {
-        let Some(external) = &mut self.external else { return };
-        let of = |&index: &usize| {
-            (
-                self.bodies.awake.particles.masses[index],
-                external[self.bodies.awake.rows[index] as usize],
-            )
-        };
-        let joint = joint_acceleration(indices.iter().map(of));
-        let rows = indices.iter().map(|&index| self.bodies.awake.rows[index]);
-        let first = rows.fold(u32::MAX, u32::min);
-        external[first as usize] = joint;
-    }
-
-    /// Removes the rows that became others.
-    fn close_up(&mut self, heirs: &[u32]) -> Result<()> {
-        let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
-        let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
-        let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.bodies.ids.of(row)));
-        let merged = merged.collect();
-        // A copy of all ids is needed only by steps in which something merges.
-        self.scratch.before.ids.get_or_insert_with(|| self.bodies.ids.clone());
-        self.inherit(heirs);
-        let shifted = self.take_out(&gone);
-        // The step still needs these.
-        self.boundaries.renumber_pushes(&gone, &shifted);
-        renumber(&mut self.scratch.exhausted, |row| row, (&gone, &shifted));
-        self.influences.renumber(|row| Some(Id::from(shifted[heirs[row as usize] as usize])));
-        self.record.add_merged(merged);
-        self.end_external_of_none()
-    }
-
-    /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
-    /// that one was exhausted. Their resting impulses begin with 0.
-    fn inherit(&mut self, heirs: &[u32]) {
-        let mut has_merged = vec![false; heirs.len()];
-        for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {
-            has_merged[row] = true;
-            has_merged[heir as usize] = true;
-        }
-        self.boundaries.inherit(heirs, &has_merged);
-        let exhausted = &mut self.scratch.exhausted;
-        exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
-        exhausted.sort_unstable();
-        exhausted.dedup();
-    }
+    Ok(())
 }
 
-/// The sum of the external forces on merging particles over their mass, from masses and accelerations.
-pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
-    let (mut mass, mut sum) = (0.0, [0.0; 2]);
-    for (own, external) in all {
-        let own = f64::from(own);
-        mass += own;
-        sum = [0, 1].map(|k| sum[k] + own * f64::from(external[k]));
+/// The pairs of indices that overlap and may merge.
+pub(crate) fn pairs_to_merge(world: &mut World) -> Result<Vec<[u32; 2]>> {
+    let (overlaps, tests) = overlapping(&world.bodies.awake.particles, &world.settings)?;
+    world.stats.tests += tests;
+    let is_sensor = |index: u32| world.bodies.awake.particles.is_sensor(index as usize);
+    let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
+    Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
+}
+
+/// Merges each island of these pairs of indices; returns whether any merged.
+pub(crate) fn merge_touching(world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
+    // All that touch, also through others, become one particle at once. If pairs merged one
+    // after the other, the result would depend on their order.
+    let mut groups = DisjointSets::default();
+    groups.reset(world.len());
+    touching.iter().for_each(|&[a, b]| groups.join(a, b));
+    let mut members: Vec<[u32; 2]> =
+        touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+    // By islands, then by indices: `union` adds in the canonical order.
+    members.sort_unstable();
+    members.dedup();
+    // The new row of each old one, before renumbering: the smallest of its island.
+    let mut heirs: Vec<u32> = (0..world.len() as u32).collect();
+    let mut any = false;
+    for group in members.chunk_by(|a, b| a[0] == b[0]) {
+        let indices: Vec<usize> = group.iter().map(|&[_, index]| index as usize).collect();
+        let Some(one) = union(&world.bodies.awake.particles, &indices, &world.settings.container)
+        else {
+            continue;
+        };
+        any = true;
+        let Discs { particles, rows, .. } = &world.bodies.awake;
+        world.external.merge(particles, rows, &indices);
+        let len = world.bodies.awake.rows.len();
+        world.bodies.awake.particles.put(len, indices[0], &one, 0);
+        let rows = indices.iter().map(|&index| world.bodies.awake.rows[index]);
+        let first = rows.clone().fold(u32::MAX, u32::min);
+        rows.for_each(|row| heirs[row as usize] = first);
+        // The merged particle has the first index: it comes from the state, not from the row.
+        let holder =
+            indices.iter().position(|&index| world.bodies.awake.rows[index] == first).unwrap_or(0);
+        world.bodies.awake.rows.swap(indices[0], indices[holder]);
     }
-    sum.map(|force| (force / mass) as f32)
+    if any {
+        close_up(world, &heirs)?;
+    }
+    Ok(any)
+}
+
+/// Removes the rows that became others.
+fn close_up(world: &mut World, heirs: &[u32]) -> Result<()> {
+    let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
+    let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
+    let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| world.bodies.ids.of(row)));
+    let merged = merged.collect();
+    // A copy of all ids is needed only by steps in which something merges.
+    world.scratch.before.ids.get_or_insert_with(|| world.bodies.ids.clone());
+    inherit(world, heirs);
+    let shifted = take_out(world, &gone);
+    // The step still needs these.
+    world.boundaries.renumber_pushes(&gone, &shifted);
+    renumber(&mut world.scratch.exhausted, |row| row, (&gone, &shifted));
+    world.influences.renumber(|row| Some(Id::from(shifted[heirs[row as usize] as usize])));
+    world.record.add_merged(merged);
+    world.external.end_if_zero(&*world.halo)
+}
+
+/// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
+/// that one was exhausted. Their resting impulses begin with 0.
+fn inherit(world: &mut World, heirs: &[u32]) {
+    let mut has_merged = vec![false; heirs.len()];
+    for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {
+        has_merged[row] = true;
+        has_merged[heir as usize] = true;
+    }
+    world.boundaries.inherit(heirs, &has_merged);
+    let exhausted = &mut world.scratch.exhausted;
+    exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
+    exhausted.sort_unstable();
+    exhausted.dedup();
 }
 
 /// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it

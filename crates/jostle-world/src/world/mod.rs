@@ -15,7 +15,7 @@ mod displacements;
 mod drive;
 pub(crate) mod edits;
 pub(crate) mod force_step;
-mod external;
+pub(crate) mod external;
 pub(crate) mod islands;
 pub(crate) mod merge;
 pub(crate) mod plan;
@@ -26,14 +26,14 @@ mod renewal;
 mod reorder;
 pub(crate) mod search;
 pub(crate) mod settings;
-mod snapshot;
+pub(crate) mod snapshot;
 mod stage_hash;
-mod step;
+pub(crate) mod step;
 mod store;
 mod substeps;
-mod sums;
+pub(crate) mod sums;
 pub(crate) mod touches;
-mod touching;
+pub(crate) mod touching;
 pub(crate) mod undo;
 
 use crate::contacts::{ContactShape, Contacts};
@@ -49,6 +49,8 @@ use bodies::discs::Discs;
 pub use bodies::{Bodies, Defaults};
 use boundaries::Boundaries;
 use distribution::{Agreement, Distribution};
+use drive::check_motors;
+use external::External;
 use force_step::ForceScratch;
 use islands::Islands;
 use islands::wake::wake_all;
@@ -143,8 +145,8 @@ pub struct World {
     pub(crate) influences: Influences,
     /// The container and the walls, and the impulses that they gave.
     pub(crate) boundaries: Boundaries,
-    /// The accelerations of the rows by forces of the caller, if there are any on any process.
-    pub(crate) external: Option<Vec<[f32; 2]>>,
+    /// Accelerations that the caller computes.
+    pub(crate) external: External,
     /// The particles.
     pub(crate) bodies: Bodies,
     pub(crate) contacts: Contacts,
@@ -164,8 +166,6 @@ pub struct World {
 /// Scratch of a step.
 #[derive(Debug, Default)]
 pub(crate) struct StepScratch {
-    /// A multiple of the mean speed, for the bounds.
-    pub(crate) usual_speed: f32,
     /// Largest displacements that stay in the bounds.
     pub(crate) max_displacements: Vec<f32>,
     pub(crate) old_max_displacements: Vec<f32>,
@@ -197,9 +197,7 @@ pub(crate) struct StepScratch {
     /// Which particles lose energy, or may touch one that does, of a world in which some do and
     /// others do not; else empty.
     pub(crate) lossy: Vec<bool>,
-    /// Seconds for which the bounds of the step are made.
-    pub(crate) horizon: f32,
-    pub(crate) crowding: renewal::Crowding,
+    pub(crate) horizon: renewal::Horizon,
     pub(crate) renewed: renewal::Renewed,
     /// The candidate pairs of a world whose particles merge.
     pub(crate) candidate_merges: Vec<merge::CandidateMerge>,
@@ -334,7 +332,7 @@ impl World {
         influences.check_fit(self.settings.container)?;
         influences.check_sides(self.settings.container)?;
         influences.check_walls(self.walls().len())?;
-        self.check_motors(&influences)?;
+        check_motors(&influences, &self.bodies)?;
         influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
         wake_all(self);
         self.bodies.awake.persistent.recent_motions.clear();
@@ -372,11 +370,6 @@ impl World {
             fill_filters(self.bodies.filters().into_iter(), shapes.columns_mut().filters);
         }
         Quadtree::new(&shapes, self.settings.tree)
-    }
-
-    /// The id of a row; in a distributed world that among the particles of all processes.
-    pub(crate) fn id_among_all(&self, row: u32) -> Id {
-        if self.halo.is_whole() { self.bodies.ids.of(row) } else { self.halo.ids()[row as usize] }
     }
 
     /// The present id of each id that was given, if particles merged since the record began: merged particles share the

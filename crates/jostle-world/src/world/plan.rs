@@ -4,11 +4,13 @@
 //! a search. So they are the same on every process, with brute force and with the tree. Two fields are those of one
 //! process, and change no result: `threads`, and `is_bounded`, which allows events to skip a test. Stiff springs decide
 //! whether contacts rest; they are a property of one process, because distributed worlds have no springs.
-//! `is_bounded` and the number of sub-steps are completed once, after the bounds and the contacts ([`World::refined`]).
+//! `is_bounded` and the number of sub-steps are completed once, after the bounds and the contacts ([`Plan::refined`]).
 //! `World::step_once` makes the plan after it has computed the forces, because these say how springs are solved, and
 //! hands it to the stages.
 
+use super::external::has_accelerations;
 use super::{DEFAULT_SUBSTEPS, World};
+use crate::forces::Influences;
 use jostle_base::parallel;
 
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
@@ -52,6 +54,37 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
+    /// The plan of a part of `dt` seconds with some sub-steps, after its forces are computed.
+    pub(crate) fn new(world: &World, dt: f32, substeps: usize) -> Self {
+        let World { scratch, influences, external, halo, .. } = world;
+        // The contacts of stiff springs are solved as resting ones, also where nothing loses energy.
+        let is_lossless = !scratch.forces.are_springs_stiff && is_lossless(world);
+        let may_rest = is_pressed(world) && !is_lossless;
+        let own_friction = || world.bodies.awake.particles.has_friction();
+        let has_springs = has_springs(influences);
+        Self {
+            dt,
+            horizon: scratch.horizon.seconds.min(dt),
+            substeps,
+            refinement: 1,
+            is_lossless,
+            may_rest,
+            has_friction: halo.agreed().map_or_else(own_friction, |agreed| agreed.has_friction),
+            has_accelerations: has_accelerations(external, influences),
+            has_springs,
+            // Resting contacts and springs change velocities after the bounds are made.
+            is_bounded: !may_rest && !has_springs,
+            threads: threads(world, substeps, may_rest),
+        }
+    }
+
+    /// The same with more sub-steps, which contacts need.
+    pub(crate) fn refined(self, world: &World, refinement: usize) -> Self {
+        let substeps = self.substeps * refinement;
+        let threads = threads(world, substeps, self.may_rest);
+        Self { substeps, refinement, threads, ..self }
+    }
+
     /// Whether forces or resting contacts change velocities.
     pub(crate) fn has_kicks(&self) -> bool {
         self.may_rest || self.has_accelerations || self.has_springs
@@ -69,98 +102,65 @@ impl Plan {
 }
 
 impl World {
-    /// The plan of a part of `dt` seconds with some sub-steps, after its forces are computed.
-    pub(crate) fn plan(&self, dt: f32, substeps: usize) -> Plan {
-        // The contacts of stiff springs are solved as resting ones, also where nothing loses energy.
-        let is_lossless = !self.scratch.forces.are_springs_stiff && self.is_lossless();
-        let may_rest = self.is_pressed() && !is_lossless;
-        let own_friction = || self.bodies.awake.particles.has_friction();
-        let agreed = self.halo.agreed();
-        let has_springs = self.has_springs();
-        Plan {
-            dt,
-            horizon: self.scratch.horizon.min(dt),
-            substeps,
-            refinement: 1,
-            is_lossless,
-            may_rest,
-            has_friction: agreed.map_or_else(own_friction, |agreed| agreed.has_friction),
-            has_accelerations: self.has_accelerations(),
-            has_springs,
-            // Resting contacts and springs change velocities after the bounds are made.
-            is_bounded: !may_rest && !has_springs,
-            threads: self.threads(substeps, may_rest),
-        }
-    }
-
-    /// The plan with more sub-steps, which contacts need.
-    pub(crate) fn refined(&self, plan: Plan, refinement: usize) -> Plan {
-        let substeps = plan.substeps * refinement;
-        Plan { substeps, refinement, threads: self.threads(substeps, plan.may_rest), ..plan }
-    }
-
-    /// The threads to use for some sub-steps. For much work they are woken.
-    fn threads(&self, substeps: usize, may_rest: bool) -> Option<usize> {
-        let work = self.bodies.awake.rows.len() * substeps;
-        parallel::threads_for(
-            self.settings.tree.threads,
-            work,
-            WORTH_SHARING,
-            worth_waking(may_rest),
-        )
-    }
-
     /// Keeps the threads awake that steps will use, until the result is dropped.
     pub(crate) fn keep_threads_awake(&self) -> impl Sized + use<> {
         let work = self.bodies.awake.rows.len() * self.substeps();
-        parallel::keep_awake(self.settings.tree.threads, work, worth_waking(self.may_rest()))
+        parallel::keep_awake(self.settings.tree.threads, work, worth_waking(may_rest(self)))
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
     /// where flights between collisions are exact and nothing rests. Forces between neighbours alone
     /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
     pub fn substeps(&self) -> usize {
-        let is_short_ranged =
-            self.external.is_none() && self.influences.are_short_ranged() && !self.has_springs();
-        let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
+        let is_short_ranged = !self.external.act()
+            && self.influences.are_short_ranged()
+            && !has_springs(&self.influences);
+        let is_one_enough = (!is_pulled(self) || is_short_ranged) && !may_rest(self);
         self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
     }
+}
 
-    /// Whether all collisions keep the energy, so that nothing comes to rest: they are elastic and without
-    /// friction.
-    fn is_lossless(&self) -> bool {
-        self.halo.agreed().map_or_else(|| self.are_own_lossless(), |agreed| agreed.is_lossless)
-    }
+/// The threads to use for some sub-steps. For much work they are woken.
+fn threads(world: &World, substeps: usize, may_rest: bool) -> Option<usize> {
+    let work = world.bodies.awake.rows.len() * substeps;
+    let threads = world.settings.tree.threads;
+    parallel::threads_for(threads, work, WORTH_SHARING, worth_waking(may_rest))
+}
 
-    /// The same of the particles of this process.
-    pub(crate) fn are_own_lossless(&self) -> bool {
-        // Chunks without branches, for vector instructions.
-        let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
-        self.settings.restitution == 1.0
-            && self.bodies.awake.particles.restitutions.chunks(256).all(elastic)
-            && self.boundaries.walls.are_elastic()
-            && !self.bodies.awake.particles.has_friction()
-    }
+/// Whether all collisions keep the energy, so that nothing comes to rest: they are elastic and without
+/// friction.
+fn is_lossless(world: &World) -> bool {
+    world.halo.agreed().map_or_else(|| are_own_lossless(world), |agreed| agreed.is_lossless)
+}
 
-    /// Whether particles may rest, if stiff springs do not decide it.
-    fn may_rest(&self) -> bool {
-        // Coefficients of restitution are read last, because there is one for each particle.
-        self.is_pressed() && !self.is_lossless()
-    }
+/// The same of the particles of this process.
+pub(crate) fn are_own_lossless(world: &World) -> bool {
+    // Chunks without branches, for vector instructions.
+    let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
+    world.settings.restitution == 1.0
+        && world.bodies.awake.particles.restitutions.chunks(256).all(elastic)
+        && world.boundaries.walls.are_elastic()
+        && !world.bodies.awake.particles.has_friction()
+}
 
-    /// Whether gravity or forces may press particles against each other or against walls.
-    fn is_pressed(&self) -> bool {
-        self.is_pulled() || self.settings.gravity != [0.0; 2]
-    }
+/// Whether particles may rest, if stiff springs do not decide it.
+fn may_rest(world: &World) -> bool {
+    // Coefficients of restitution are read last, because there is one for each particle.
+    is_pressed(world) && !is_lossless(world)
+}
 
-    /// Whether forces give kicks before and after the flights of a step.
-    fn is_pulled(&self) -> bool {
-        self.has_accelerations() || self.has_springs()
-    }
+/// Whether gravity or forces may press particles against each other or against walls.
+fn is_pressed(world: &World) -> bool {
+    is_pulled(world) || world.settings.gravity != [0.0; 2]
+}
 
-    fn has_springs(&self) -> bool {
-        self.influences.springs().next().is_some()
-    }
+/// Whether forces give kicks before and after the flights of a step.
+fn is_pulled(world: &World) -> bool {
+    has_accelerations(&world.external, &world.influences) || has_springs(&world.influences)
+}
+
+fn has_springs(influences: &Influences) -> bool {
+    influences.springs().next().is_some()
 }
 
 fn worth_waking(may_rest: bool) -> usize {

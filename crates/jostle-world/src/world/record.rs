@@ -4,6 +4,7 @@
 use std::cmp::Ordering;
 
 use super::World;
+use super::touching::touching;
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -255,7 +256,7 @@ impl World {
     /// continued.
     pub fn end_record(&mut self) -> Result<()> {
         if self.settings.track_events && self.record.is_open {
-            let touching = self.touching()?;
+            let touching = touching(self)?;
             self.record.end(touching);
         }
         Ok(())
@@ -266,24 +267,18 @@ impl World {
     pub fn events(&self) -> Option<TouchEvents> {
         self.settings.track_events.then(|| self.record.events())
     }
+}
 
-    /// Adds pairs of indices that touched in the step to the record, if events are tracked.
-    pub(crate) fn record_pairs(&mut self, indices: &[[u32; 2]]) {
-        if !self.settings.track_events {
-            return;
-        }
-        let rows = |indices: &[u32; 2]| indices.map(|index| self.bodies.awake.rows[index as usize]);
-        let pairs = indices.iter().map(rows).filter_map(|rows| self.known_pair(rows));
-        let pairs: Vec<[Id; 2]> = pairs.collect();
-        self.record.add_pairs(pairs.into_iter());
+/// Adds pairs of indices that touched in the step to the record, if events are tracked.
+pub(crate) fn record_pairs(world: &mut World, indices: &[[u32; 2]]) {
+    if !world.settings.track_events {
+        return;
     }
-
-    /// The ids of two rows, the smaller first; none of two ghosts, whose own processes know them.
-    pub(crate) fn known_pair(&self, rows: [u32; 2]) -> Option<[Id; 2]> {
-        let is_known = rows.iter().any(|&row| row < self.halo.own_rows());
-        let [a, b] = rows.map(|row| self.id_among_all(row));
-        is_known.then_some([a.min(b), a.max(b)])
-    }
+    let rows = |indices: &[u32; 2]| indices.map(|index| world.bodies.awake.rows[index as usize]);
+    let pairs =
+        indices.iter().map(rows).filter_map(|rows| world.halo.known_pair(&world.bodies.ids, rows));
+    let pairs: Vec<[Id; 2]> = pairs.collect();
+    world.record.add_pairs(pairs.into_iter());
 }
 
 /// The pairs of two sorted lists, without doubles.

@@ -10,8 +10,9 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::bounds::{distance_at, distance_of_fall, rounding};
+use super::reductions::Everywhere;
 use super::search::{self, ListScratch, Lists};
-use super::{OnTouch, World, WorldSettings};
+use super::settings::{OnTouch, WorldSettings};
 use crate::events::{Candidates, NearPair, Start};
 use crate::particles::Particles;
 use crate::trajectory::dot;
@@ -44,55 +45,54 @@ const MAX_PARTS: f64 = 4096.0;
 /// Candidate pairs of a particle that cost less to test than another renewal.
 const WORTH_A_PART: f64 = 4.0;
 
-impl World {
-    /// The speed that bounds allow for.
-    fn usual_speed(&self) -> Result<f32> {
-        let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
-        let mean = self.everywhere().mean(&self.bodies.awake.particles.velocities, speed)?;
-        Ok(USUAL * mean as f32)
-    }
+/// For how many seconds the first bounds of a step are made, and what they allow for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Horizon {
+    pub(crate) seconds: f32,
+    /// A multiple of the mean speed: how fast collisions may make a slow particle.
+    pub(crate) usual_speed: f32,
+    pub(crate) crowding: Crowding,
+}
 
-    /// Finds out how crowded the particles are, and for how many of the `dt` seconds of a step its
-    /// first bounds are made.
-    pub(crate) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
-        self.scratch.usual_speed = self.usual_speed()?;
-        self.scratch.horizon = dt;
+impl Horizon {
+    /// That of a step of `dt` seconds, the same on all processes.
+    pub(crate) fn new(
+        everywhere: Everywhere<'_>,
+        particles: &Particles,
+        settings: &WorldSettings,
+        dt: f32,
+    ) -> Result<Self> {
+        let Particles { positions, velocities, radii, .. } = particles;
+        let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
+        let usual_speed = USUAL * everywhere.mean(velocities, speed)? as f32;
         // Only events in the order of time can take new candidates within a step.
-        if self.settings.on_touch != OnTouch::Bounce {
-            return Ok(());
+        if settings.on_touch != OnTouch::Bounce {
+            return Ok(Self { seconds: dt, usual_speed, crowding: Crowding::default() });
         }
-        let count = self.everywhere().count() as f64;
-        let area = match self.settings.container.area() {
+        let count = everywhere.count() as f64;
+        let area = match settings.container.area() {
             Some(area) => area,
-            None => self.everywhere().area(&self.bodies.awake.particles.positions)?,
+            None => everywhere.area(positions)?,
         };
-        let [gx, gy] = self.settings.gravity.map(f64::from);
+        let [gx, gy] = settings.gravity.map(f64::from);
         let crowding = Crowding {
             density: count / area,
-            radius: self.everywhere().mean(&self.bodies.awake.particles.radii, |&radius| radius)?,
+            radius: everywhere.mean(radii, |&radius| radius)?,
             max_parts: (count / WORTH_A_PART).floor().clamp(1.0, MAX_PARTS),
             acceleration: (gx * gx + gy * gy).sqrt(),
-            is_torus: !self.settings.container.period().is_none(),
+            is_torus: !settings.container.period().is_none(),
         };
         // Bounds for a long step would overlap most others. Bounds for a part of it are small, but
         // each renewal builds a tree and lists pairs. The horizon is chosen so that a particle has
         // about twice the candidates that it has at rest. All ranks compute it from the same means.
-        let parts = crowding.parts(f64::from(self.scratch.usual_speed), f64::from(dt));
-        let parts = parts.max(self.parts_with_few_collisions(&crowding, f64::from(dt))?);
-        self.scratch.crowding = crowding;
-        self.scratch.horizon = dt / parts as f32;
-        Ok(())
-    }
-
-    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions.
-    fn parts_with_few_collisions(&self, crowding: &Crowding, dt: f64) -> Result<f64> {
-        if !crowding.is_torus {
-            return Ok(1.0);
+        let mut parts = crowding.parts(f64::from(usual_speed), f64::from(dt));
+        if crowding.is_torus {
+            let all = velocities.iter().zip(radii);
+            let most =
+                everywhere.largest(all.map(|(&v, &radius)| crowding.collisions(v, radius)))?;
+            parts = parts.max(Crowding::parts_of_the_fastest(most * f64::from(dt)));
         }
-        let Particles { velocities, radii, .. } = &self.bodies.awake.particles;
-        let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowding.collisions(v, radius));
-        let most = self.everywhere().largest(all)?;
-        Ok(Crowding::parts_of_the_fastest(most * dt))
+        Ok(Self { seconds: dt / parts as f32, usual_speed, crowding })
     }
 }
 

@@ -3,9 +3,9 @@
 use std::cmp::Ordering;
 use std::iter;
 
-use super::{Touch, World, WorldSettings};
+use super::settings::WorldSettings;
+use crate::particles::Particles;
 use jostle_base::error::{Error, Result};
-use jostle_base::interrupt;
 use jostle_base::settings::Method;
 use jostle_index::pairs::{self, Filters, JoinScratch, SortScratch};
 use jostle_index::quadtree::Quadtree;
@@ -81,58 +81,38 @@ pub(crate) fn list(
 pub(crate) struct Overlap {
     pub(crate) indices: [u32; 2],
     /// From the first to the second.
-    offset: [f32; 2],
+    pub(crate) offset: [f32; 2],
     /// Sum of the radii.
-    radius_sum: f32,
+    pub(crate) radius_sum: f32,
 }
 
-impl World {
-    /// The pairs that overlap where they are now, in the order of a tree, and how many
-    /// were tested.
-    pub(crate) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
-        let (all, settings) = (&self.bodies.awake.particles, &self.settings);
-        let centers: Vec<_> =
-            all.positions.iter().map(|&p| settings.container.period().wrap(p)).collect();
-        let radii = Each::Rows(all.radii.clone());
-        let mut shapes = Shapes::circles(centers, radii)?;
-        fill_filters(all.filters.iter().copied(), shapes.columns_mut().filters);
-        let mut tree = Quadtree::default();
-        tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
-        let mut lists = Vec::new();
-        let tests = list(&tree, settings, true, &mut ListScratch::default(), &mut lists)?;
-        let mut found = Vec::new();
-        for (image, pairs) in lists {
-            for pair in pairs {
-                let indices = pair.map(|index| tree.rows()[index as usize]);
-                let [a, b] = indices.map(|index| index as usize);
-                if all.may_touch(a, b) {
-                    let [from, to] = [a, b].map(|index| shapes.centers()[index]);
-                    let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
-                    let radius_sum = all.radii[a] + all.radii[b];
-                    found.push(Overlap { indices, offset, radius_sum });
-                }
+/// The pairs that overlap where they are now, in the order of a tree, and how many
+/// were tested.
+pub(crate) fn overlapping(
+    all: &Particles,
+    settings: &WorldSettings,
+) -> Result<(Vec<Overlap>, u64)> {
+    let centers: Vec<_> =
+        all.positions.iter().map(|&p| settings.container.period().wrap(p)).collect();
+    let radii = Each::Rows(all.radii.clone());
+    let mut shapes = Shapes::circles(centers, radii)?;
+    fill_filters(all.filters.iter().copied(), shapes.columns_mut().filters);
+    let mut tree = Quadtree::default();
+    tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
+    let mut lists = Vec::new();
+    let tests = list(&tree, settings, true, &mut ListScratch::default(), &mut lists)?;
+    let mut found = Vec::new();
+    for (image, pairs) in lists {
+        for pair in pairs {
+            let indices = pair.map(|index| tree.rows()[index as usize]);
+            let [a, b] = indices.map(|index| index as usize);
+            if all.may_touch(a, b) {
+                let [from, to] = [a, b].map(|index| shapes.centers()[index]);
+                let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
+                let radius_sum = all.radii[a] + all.radii[b];
+                found.push(Overlap { indices, offset, radius_sum });
             }
         }
-        Ok((found, tests))
     }
-
-    /// The overlapping pairs by id, as callers see them.
-    pub(crate) fn overlaps(&self) -> Result<Vec<Touch>> {
-        let touch = |Overlap { indices, offset, radius_sum }: Overlap| {
-            let [i, j] = indices.map(|index| self.bodies.awake.rows[index as usize]);
-            let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-            let sign = if i < j { 1.0 } else { -1.0 };
-            // The normal of coincident centres is +x.
-            let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
-            let (normal_impulse, friction_impulse) = (0.0, 0.0);
-            let pair = [i.min(j), i.max(j)].map(|row| self.bodies.ids.of(row));
-            let depth = radius_sum - length;
-            Touch { pair, normal, depth, normal_impulse, friction_impulse }
-        };
-        let mut touches: Vec<Touch> = self.overlapping()?.0.into_iter().map(touch).collect();
-        interrupt::check()?;
-        touches.sort_unstable_by_key(|touch| touch.pair);
-        interrupt::check()?;
-        Ok(touches)
-    }
+    Ok((found, tests))
 }

@@ -5,7 +5,10 @@
 //! particles, and of sorted pairs. So it stays the same if only the storage changes.
 
 use super::search::Lists;
-use super::{Stage, StateHash, World};
+use super::{Stage, StateHash, StepScratch, World};
+use crate::contacts::Contacts;
+use crate::flow::Kick;
+use crate::motion::{Motions, Spins};
 use jostle_base::bytes::Plain;
 use jostle_simd::LANES;
 
@@ -18,7 +21,7 @@ impl World {
         match stage {
             Stage::Forces => {
                 hash.mix_all(&self.scratch.forces.accelerations);
-                self.mix_kicks(&mut hash);
+                mix_kicks(&mut hash, &self.scratch.kicks);
             }
             Stage::Bounds => {
                 let shapes = &self.scratch.shapes;
@@ -33,16 +36,19 @@ impl World {
             }
             Stage::Contacts => {
                 hash.mix_all(&self.bodies.awake.rows);
-                self.mix_contacts(&mut hash);
+                mix_contacts(&mut hash, &self.contacts);
             }
             Stage::Resting => {
-                self.mix_kicks(&mut hash);
+                mix_kicks(&mut hash, &self.scratch.kicks);
                 for push in &self.boundaries.pushes {
                     hash.mix_value([push.row, push.wall]);
                     hash.mix_value(push.pushes);
                 }
             }
-            Stage::Events | Stage::Correction => self.mix_motions(&mut hash),
+            Stage::Events | Stage::Correction => {
+                let StepScratch { motions, spins, .. } = &self.scratch;
+                mix_motions(&mut hash, self.bodies.awake.rows.len(), motions, spins);
+            }
             Stage::Store => {
                 hash.mix_value(self.state_hash());
                 hash.mix_value(self.record.of_step().pairs);
@@ -56,38 +62,37 @@ impl World {
         }
         hash.0
     }
+}
 
-    /// The kicks of the sub-step; there are none before it.
-    fn mix_kicks(&self, hash: &mut StateHash) {
-        for kick in &self.scratch.kicks {
-            hash.mix_value(kick.before);
-            hash.mix_value(kick.after);
-            hash.mix_value(kick.is_supported);
-            hash.mix_value(kick.speed);
+/// The kicks of the sub-step; there are none before it.
+fn mix_kicks(hash: &mut StateHash, kicks: &[Kick]) {
+    for kick in kicks {
+        hash.mix_value(kick.before);
+        hash.mix_value(kick.after);
+        hash.mix_value(kick.is_supported);
+        hash.mix_value(kick.speed);
+    }
+}
+
+/// Positions and velocities, also of rotation.
+fn mix_motions(hash: &mut StateHash, len: usize, motions: &Motions, spins: &Spins) {
+    for index in 0..len as u32 {
+        hash.mix_value([motions.position(index), motions.residual(index)]);
+        hash.mix_value(motions.velocity(index));
+        if !spins.is_empty() {
+            hash.mix_value(spins.velocity(index));
+            hash.mix_value(spins.angle(index));
         }
     }
+}
 
-    /// Positions and velocities, also of rotation.
-    fn mix_motions(&self, hash: &mut StateHash) {
-        let (motions, spins) = (&self.scratch.motions, &self.scratch.spins);
-        for index in 0..self.bodies.awake.rows.len() as u32 {
-            hash.mix_value([motions.position(index), motions.residual(index)]);
-            hash.mix_value(motions.velocity(index));
-            if !spins.is_empty() {
-                hash.mix_value(spins.velocity(index));
-                hash.mix_value(spins.angle(index));
-            }
-        }
-    }
-
-    /// The contacts in the order in which they are solved, with the impulses of the last step.
-    fn mix_contacts(&self, hash: &mut StateHash) {
-        for block in &self.contacts.blocks.list {
-            for lane in (0..LANES).filter(|lane| block.lanes >> lane & 1 == 1) {
-                hash.mix_value([0, 1].map(|k| block.indices.of(k)[lane]));
-                hash.mix_value([0, 1].map(|k| block.images[k][lane]));
-                hash.mix_value([block.impulses[1][lane], block.friction_impulses[1][lane]]);
-            }
+/// The contacts in the order in which they are solved, with the impulses of the last step.
+fn mix_contacts(hash: &mut StateHash, contacts: &Contacts) {
+    for block in &contacts.blocks.list {
+        for lane in (0..LANES).filter(|lane| block.lanes >> lane & 1 == 1) {
+            hash.mix_value([0, 1].map(|k| block.indices.of(k)[lane]));
+            hash.mix_value([0, 1].map(|k| block.images[k][lane]));
+            hash.mix_value([block.impulses[1][lane], block.friction_impulses[1][lane]]);
         }
     }
 }

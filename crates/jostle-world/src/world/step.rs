@@ -6,12 +6,23 @@
 
 use std::cmp::Reverse;
 
+use super::bounds::find_bounds;
+use super::displacements::{check_displacements, parts};
+use super::drive::drive;
+use super::force_step::{apply_andersen, break_springs};
 use super::islands::sleep::fall_asleep;
 use super::islands::wake::{
     cancel_waking, forget_woken, has_left_bounds_to_sleepers, is_near_sleepers, is_still,
     wake_touched,
 };
+use super::merge::merge;
 use super::plan::Plan;
+use super::record::record_pairs;
+use super::renewal::Horizon;
+use super::reorder::reorder;
+use super::store::{load_motions, store_motions};
+use super::touches::collect_touches;
+use super::undo::{begin, undo};
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search};
 use crate::events::MAX_COLLISIONS;
 use crate::world::bodies::Bodies;
@@ -46,7 +57,7 @@ impl World {
             // Where all that can move sleeps, nothing changes. The ranks of a distributed world
             // find this out together, in `migrate`.
             let done = if self.halo.is_whole() && is_still(&self.bodies, &self.influences) {
-                self.skip_step()
+                skip_step(self)
             } else {
                 self.step_until_complete(dt, watch)
             };
@@ -54,15 +65,6 @@ impl World {
             done?;
             self.time += dt;
         }
-        Ok(())
-    }
-
-    /// Makes a step in which nothing moves.
-    fn skip_step(&mut self) -> Result<()> {
-        interrupt::check()?;
-        self.boundaries.impulses.clear();
-        self.stats = Stats::default();
-        self.record.skip_step();
         Ok(())
     }
 
@@ -75,7 +77,8 @@ impl World {
         let single = dt as f32;
         // Motors drive before the first attempt, because all attempts begin with the same
         // velocities. They are taken back only if the step fails.
-        let driven = self.drive(f64::from(single));
+        let Self { influences, bodies, boundaries, time, .. } = self;
+        let driven = drive(influences, bodies, boundaries, *time, f64::from(single));
         let protocol = self.halo.protocol();
         let mut repeat = |world: &mut Self| {
             let mut wakings = 0;
@@ -85,11 +88,11 @@ impl World {
             // doubles the margin of the halo, until every rank has all particles.
             loop {
                 protocol.gather(world, single)?;
-                world.begin();
+                begin(world);
                 let outcome = world.step_once(single, watch).and_then(|plan| world.end(&plan, dt));
                 // An attempt that failed with an error is undone as well.
                 if !matches!(outcome, Ok(Outcome::Complete)) {
-                    world.undo();
+                    undo(world);
                     protocol.undo(world);
                 }
                 match outcome? {
@@ -106,7 +109,7 @@ impl World {
             // All that follows is within `guard`. So an error of one rank ends the step on all, and
             // none waits for a message that never comes.
             protocol.begin_step(world);
-            world.check_displacements(single)?;
+            check_displacements(world, single)?;
             world.boundaries.walls.check_displacements(f64::from(single))?;
             if !protocol.migrate(world)? {
                 return Ok(());
@@ -119,7 +122,7 @@ impl World {
             })
         });
         if done.is_err() {
-            self.restore_driven(driven);
+            driven.restore(&mut self.bodies, &mut self.boundaries);
         }
         done
     }
@@ -138,11 +141,11 @@ impl World {
             return Ok(Outcome::MeetsSleepers);
         }
         // From here on the attempt counts, unless there is an error.
-        self.apply_andersen(dt as f32, plan.threads);
+        apply_andersen(self, dt as f32, plan.threads);
         self.boundaries.end_attempt();
         if self.settings.track_events {
             let touching = self.contacts.touching().map(|contact| contact.indices);
-            self.record_pairs(&touching.collect::<Vec<_>>());
+            record_pairs(self, &touching.collect::<Vec<_>>());
         }
         // Falling asleep is the last that may fail. What comes after it cannot be undone.
         fall_asleep(self, plan, dt)?;
@@ -165,36 +168,36 @@ impl World {
             interrupt::check()?;
             // Forces come first, because bounds must contain the displacements by them.
             self.apply_forces(dt, substeps)?;
-            if !self.influences.is_empty() || self.external.is_some() {
+            if !self.influences.is_empty() || self.external.act() {
                 watch(Stage::Forces, self);
             }
-            let mut plan = self.plan(dt, substeps);
-            plan.is_bounded &= self.find_bounds(&plan);
+            let mut plan = Plan::new(self, dt, substeps);
+            plan.is_bounded &= find_bounds(self, &plan);
             watch(Stage::Bounds, self);
             interrupt::check()?;
-            self.build_tree()?;
+            build_tree(self)?;
             watch(Stage::Build, self);
             interrupt::check()?;
             // As early as possible, because the attempt is undone if this is true.
             if is_near_sleepers(self, dt)? {
                 return Ok(plan);
             }
-            self.find_candidates(&plan)?;
+            find_candidates(self, &plan)?;
             watch(Stage::Pairs, self);
             interrupt::check()?;
             // From here on the order of indices is the canonical one: Morton order, ties by the
             // state. All sums, contacts and loops use it, so results do not depend on the order of
             // adding.
-            self.reorder(plan.threads);
+            reorder(self, plan.threads);
             self.halo.protocol().begin_part(self);
             // Only the contacts show which heavy particles press on light ones.
             let refinement = self.make_contacts(&plan)?;
-            let plan = self.refined(plan, refinement);
-            let StepScratch { tree, max_displacements, usual_speed, .. } = &self.scratch;
-            let bounds = (&max_displacements[..], SPARE * *usual_speed * plan.horizon);
+            let plan = plan.refined(self, refinement);
+            let StepScratch { tree, max_displacements, horizon, .. } = &self.scratch;
+            let bounds = (&max_displacements[..], SPARE * horizon.usual_speed * plan.horizon);
             self.boundaries.find_near(tree, bounds, &self.settings, f64::from(dt))?;
             watch(Stage::Contacts, self);
-            self.load_motions(&plan);
+            load_motions(self, &plan);
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);
             // Collisions may have carried particles beyond the bounds that were tested before.
@@ -207,10 +210,10 @@ impl World {
             }
             // The results of the sub-steps are in `motions` so far; from here on they go to the columns.
             self.boundaries.walls.end_part(f64::from(dt));
-            self.collect_touches(plan.threads);
-            self.store_motions(plan.threads)?;
-            self.break_springs();
-            self.merge()?;
+            collect_touches(self, plan.threads);
+            store_motions(self, plan.threads)?;
+            break_springs(self);
+            merge(self)?;
             watch(Stage::Store, self);
             if part == parts {
                 return Ok(plan);
@@ -224,70 +227,82 @@ impl World {
         self.islands.begin_attempt();
         self.scratch.agreement = None;
         self.stats = Stats::default();
-        self.choose_horizon(dt)?;
-        let parts = self.parts(dt)?;
+        let particles = &self.bodies.awake.particles;
+        self.scratch.horizon = Horizon::new(self.everywhere(), particles, &self.settings, dt)?;
+        let parts = parts(self, dt)?;
         // The parts share the sub-steps of the whole step.
         Ok((parts, self.substeps().div_ceil(parts)))
     }
+}
 
-    /// The error of a step in which particles of this process have too many collisions, with the id of
-    /// the one that has most.
-    pub(crate) fn too_many_collisions(&self) -> Error {
-        let all = self.bodies.awake.rows.iter().zip(&self.scratch.events.counts);
-        let own = all.filter(|of| *of.0 < self.halo.own_rows());
-        let most = own.map(|(&row, &count)| (Reverse(count), self.id_among_all(row))).min();
-        Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
-    }
+/// Makes a step in which nothing moves.
+fn skip_step(world: &mut World) -> Result<()> {
+    interrupt::check()?;
+    world.boundaries.impulses.clear();
+    world.stats = Stats::default();
+    world.record.skip_step();
+    Ok(())
+}
 
-    /// Builds the tree of the bounds.
-    fn build_tree(&mut self) -> Result<()> {
-        let extent = match self.halo.take_extent() {
-            Some(known) => Some(known),
-            None => self.everywhere().extent(&self.bodies.awake.particles.positions)?,
-        };
-        let Self {
-            bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, scratch, halo, ..
-        } = self;
-        let ids = halo.ids();
-        // Particles at the same place are sorted by all their values. Of equal ones in a
-        // distributed world the id decides, because rows differ between ranks.
-        let tie = |a: usize, b: usize| {
-            let id = |index: usize| ids.get(rows[index] as usize);
-            particles.compare(a, b).then_with(|| id(a).cmp(&id(b)))
-        };
-        // The Morton order depends on the extent, so it is that of all ranks.
-        scratch.tree.set_extent(extent);
-        scratch.tree.set_nested();
-        scratch.tree.rebuild(&scratch.shapes, self.settings.tree, &tie)
-    }
+/// The error of a step in which particles of this process have too many collisions, with the id of
+/// the one that has most.
+pub(crate) fn too_many_collisions(world: &World) -> Error {
+    let all = world.bodies.awake.rows.iter().zip(&world.scratch.events.counts);
+    let own = all.filter(|of| *of.0 < world.halo.own_rows());
+    let most = own
+        .map(|(&row, &count)| (Reverse(count), world.halo.id_among_all(&world.bodies.ids, row)))
+        .min();
+    Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
+}
 
-    /// Finds the pairs of indices whose bounds overlap. If particles pass through each other, they are listed only
-    /// for events.
-    fn find_candidates(&mut self, plan: &Plan) -> Result<()> {
-        // Without resting contacts the pairs need no order.
-        let is_sorted = plan.may_rest || self.settings.on_touch != OnTouch::Bounce;
-        let StepScratch { tree, listing, pairs, sensed, .. } = &mut self.scratch;
-        sensed.clear();
-        let tests = match self.settings.on_touch {
-            OnTouch::Ignore => {
-                pairs.clear();
-                if self.settings.track_events {
-                    search::list(tree, &self.settings, true, listing, sensed)?;
-                }
-                0
+/// Builds the tree of the bounds.
+fn build_tree(world: &mut World) -> Result<()> {
+    let extent = match world.halo.take_extent() {
+        Some(known) => Some(known),
+        None => world.everywhere().extent(&world.bodies.awake.particles.positions)?,
+    };
+    let World {
+        bodies: Bodies { awake: Discs { particles, rows, .. }, .. }, scratch, halo, ..
+    } = world;
+    let ids = halo.ids();
+    // Particles at the same place are sorted by all their values. Of equal ones in a
+    // distributed world the id decides, because rows differ between ranks.
+    let tie = |a: usize, b: usize| {
+        let id = |index: usize| ids.get(rows[index] as usize);
+        particles.compare(a, b).then_with(|| id(a).cmp(&id(b)))
+    };
+    // The Morton order depends on the extent, so it is that of all ranks.
+    scratch.tree.set_extent(extent);
+    scratch.tree.set_nested();
+    scratch.tree.rebuild(&scratch.shapes, world.settings.tree, &tie)
+}
+
+/// Finds the pairs of indices whose bounds overlap. If particles pass through each other, they are listed only
+/// for events.
+fn find_candidates(world: &mut World, plan: &Plan) -> Result<()> {
+    // Without resting contacts the pairs need no order.
+    let is_sorted = plan.may_rest || world.settings.on_touch != OnTouch::Bounce;
+    let StepScratch { tree, listing, pairs, sensed, .. } = &mut world.scratch;
+    sensed.clear();
+    let tests = match world.settings.on_touch {
+        OnTouch::Ignore => {
+            pairs.clear();
+            if world.settings.track_events {
+                search::list(tree, &world.settings, true, listing, sensed)?;
             }
-            OnTouch::Bounce | OnTouch::Merge => {
-                search::list(tree, &self.settings, is_sorted, listing, pairs)?
-            }
-        };
-        let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());
-        // The sums and the largest numbers of the parts of the step.
-        self.stats.nodes = self.stats.nodes.max(nodes);
-        self.stats.leaves = self.stats.leaves.max(leaves);
-        self.stats.depth = self.stats.depth.max(depth);
-        self.stats.tests += tests;
-        Ok(())
-    }
+            0
+        }
+        OnTouch::Bounce | OnTouch::Merge => {
+            search::list(tree, &world.settings, is_sorted, listing, pairs)?
+        }
+    };
+    let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());
+    // The sums and the largest numbers of the parts of the step.
+    world.stats.nodes = world.stats.nodes.max(nodes);
+    world.stats.leaves = world.stats.leaves.max(leaves);
+    world.stats.depth = world.stats.depth.max(depth);
+    world.stats.tests += tests;
+    Ok(())
 }
 
 /// How an attempt at a step ended.

@@ -15,108 +15,104 @@ use jostle_base::parallel;
 /// Particles that one thread stores at a time.
 const STORED: usize = 1 << 14;
 
-impl World {
-    /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
-    /// the columns and writes all motions, so nothing is to be loaded.
-    pub(crate) fn load_motions(&mut self, plan: &Plan) {
-        let threads = plan.threads;
-        let are_read = plan.has_kicks() || !self.bodies.awake.particles.spins.is_empty();
-        let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, .. } = self;
-        scratch.motions.resize(particles.len(), self.settings.on_touch == OnTouch::Merge);
-        let motions = &scratch.motions;
-        if are_read {
-            parallel::for_rows(threads, particles.len(), |index| {
-                motions.set(index as u32, Motion::of(particles, index));
-            });
-        }
-        scratch.spins.fill(&particles.spins);
-    }
-
-    /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
-    pub(crate) fn store_motions(&mut self, threads: Option<usize>) -> Result<()> {
-        let (settings, scratch) = (&self.settings, &self.scratch);
-        if let Some(contact) = self.contacts.remember(self.bodies.awake.particles.len()) {
-            let index = contact.indices[0] as usize;
-            return Err(self.not_finite("contact_impulses", index, "inf"));
-        }
-        let Particles { positions, residuals, velocities, spins, .. } =
-            &mut self.bodies.awake.particles;
-        let motions = &scratch.motions;
-        let is_infinite = self.boundaries.pushes.iter().any(|of| !of.pushes[0].is_finite());
-        let (any, period) = (AtomicBool::new(is_infinite), settings.container.period());
-        let chunks = || (0..).step_by(STORED);
-        let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
-        let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
-        parallel::for_each(threads, columns, |(((positions, residuals), velocities), first)| {
-            let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
-            for (((position, residual), velocity), index) in columns {
-                let mut motion = motions.get(index);
-                // Numbers that are only too large become the limit. Those that are not finite
-                // refuse the step, which is undone then, so it does not matter what is stored here.
-                if !is_allowed(&motion) {
-                    if !is_finite(&motion) {
-                        any.store(true, Ordering::Relaxed);
-                    }
-                    clamp(&mut motion);
-                }
-                (*position, *residual) = motion::wrapped(motion.position, motion.residual, &period);
-                *velocity = motion.velocity;
-            }
+/// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
+/// the columns and writes all motions, so nothing is to be loaded.
+pub(crate) fn load_motions(world: &mut World, plan: &Plan) {
+    let threads = plan.threads;
+    let are_read = plan.has_kicks() || !world.bodies.awake.particles.spins.is_empty();
+    let World { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, .. } = world;
+    scratch.motions.resize(particles.len(), world.settings.on_touch == OnTouch::Merge);
+    let motions = &scratch.motions;
+    if are_read {
+        parallel::for_rows(threads, particles.len(), |index| {
+            motions.set(index as u32, Motion::of(particles, index));
         });
-        parallel::for_chunks(threads, spins, |first, spins| {
-            for (spin, index) in spins.iter_mut().zip(first as u32..) {
-                let (velocity, angle) = (scratch.spins.velocity(index), scratch.spins.angle(index));
-                if !velocity.is_finite() {
+    }
+    scratch.spins.fill(&particles.spins);
+}
+
+/// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
+pub(crate) fn store_motions(world: &mut World, threads: Option<usize>) -> Result<()> {
+    let (settings, scratch) = (&world.settings, &world.scratch);
+    if let Some(contact) = world.contacts.remember(world.bodies.awake.particles.len()) {
+        let index = contact.indices[0] as usize;
+        return Err(not_finite(world, "contact_impulses", index, "inf"));
+    }
+    let Particles { positions, residuals, velocities, spins, .. } =
+        &mut world.bodies.awake.particles;
+    let motions = &scratch.motions;
+    let is_infinite = world.boundaries.pushes.iter().any(|of| !of.pushes[0].is_finite());
+    let (any, period) = (AtomicBool::new(is_infinite), settings.container.period());
+    let chunks = || (0..).step_by(STORED);
+    let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
+    let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
+    parallel::for_each(threads, columns, |(((positions, residuals), velocities), first)| {
+        let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
+        for (((position, residual), velocity), index) in columns {
+            let mut motion = motions.get(index);
+            // Numbers that are only too large become the limit. Those that are not finite
+            // refuse the step, which is undone then, so it does not matter what is stored here.
+            if !is_allowed(&motion) {
+                if !is_finite(&motion) {
                     any.store(true, Ordering::Relaxed);
                 }
-                spin.velocity = velocity.clamp(-FARTHEST, FARTHEST);
-                spin.angle = wrap_angle(angle);
+                clamp(&mut motion);
             }
-        });
-        if any.into_inner() { Err(self.name_what_is_not_finite()) } else { Ok(()) }
-    }
+            (*position, *residual) = motion::wrapped(motion.position, motion.residual, &period);
+            *velocity = motion.velocity;
+        }
+    });
+    parallel::for_chunks(threads, spins, |first, spins| {
+        for (spin, index) in spins.iter_mut().zip(first as u32..) {
+            let (velocity, angle) = (scratch.spins.velocity(index), scratch.spins.angle(index));
+            if !velocity.is_finite() {
+                any.store(true, Ordering::Relaxed);
+            }
+            spin.velocity = velocity.clamp(-FARTHEST, FARTHEST);
+            spin.angle = wrap_angle(angle);
+        }
+    });
+    if any.into_inner() { Err(name_what_is_not_finite(world)) } else { Ok(()) }
+}
 
-    /// Returns an error with the first row whose number is not finite after the sub-steps.
-    fn name_what_is_not_finite(&self) -> Error {
-        let motion = |index: usize| self.scratch.motions.get(index as u32);
-        let infinite = self.boundaries.pushes.iter().filter(|of| !of.pushes[0].is_finite());
-        let infinite: HashMap<u32, f32> = infinite.map(|of| (of.row, of.pushes[0])).collect();
-        let push = |index: usize| {
-            infinite.get(&self.bodies.awake.rows[index]).copied().unwrap_or_default()
-        };
-        let spins = &self.scratch.spins;
-        let spin = |index: usize| {
-            if spins.is_empty() { 0.0 } else { spins.velocity(index as u32) }
-        };
-        let bad = |&index: &usize| {
-            !(is_finite(&motion(index)) && push(index).is_finite() && spin(index).is_finite())
-        };
-        // The smallest id makes the error the same for every order and number of threads.
-        let index = (0..self.bodies.awake.rows.len())
-            .filter(bad)
-            .min_by_key(|&index| self.id_among_all(self.bodies.awake.rows[index]));
-        let index = index.expect("only called if there is one");
-        let Motion { position, velocity, .. } = motion(index);
-        let columns: [(&str, &[f32]); 4] = [
-            ("angular_velocities", &[spin(index)]),
-            ("velocities", &velocity),
-            ("positions", &position),
-            ("wall_impulses", &[push(index)]),
-        ];
-        let broken =
-            columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
-        let (argument, numbers) = broken.expect("one of them is not finite");
-        let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-        self.not_finite(argument, index, &format!("({})", numbers.join(", ")))
-    }
+/// Returns an error with the first row whose number is not finite after the sub-steps.
+fn name_what_is_not_finite(world: &World) -> Error {
+    let motion = |index: usize| world.scratch.motions.get(index as u32);
+    let infinite = world.boundaries.pushes.iter().filter(|of| !of.pushes[0].is_finite());
+    let infinite: HashMap<u32, f32> = infinite.map(|of| (of.row, of.pushes[0])).collect();
+    let push =
+        |index: usize| infinite.get(&world.bodies.awake.rows[index]).copied().unwrap_or_default();
+    let spins = &world.scratch.spins;
+    let spin = |index: usize| {
+        if spins.is_empty() { 0.0 } else { spins.velocity(index as u32) }
+    };
+    let bad = |&index: &usize| {
+        !(is_finite(&motion(index)) && push(index).is_finite() && spin(index).is_finite())
+    };
+    // The smallest id makes the error the same for every order and number of threads.
+    let index = (0..world.bodies.awake.rows.len()).filter(bad).min_by_key(|&index| {
+        world.halo.id_among_all(&world.bodies.ids, world.bodies.awake.rows[index])
+    });
+    let index = index.expect("only called if there is one");
+    let Motion { position, velocity, .. } = motion(index);
+    let columns: [(&str, &[f32]); 4] = [
+        ("angular_velocities", &[spin(index)]),
+        ("velocities", &velocity),
+        ("positions", &position),
+        ("wall_impulses", &[push(index)]),
+    ];
+    let broken = columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
+    let (argument, numbers) = broken.expect("one of them is not finite");
+    let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+    not_finite(world, argument, index, &format!("({})", numbers.join(", ")))
+}
 
-    fn not_finite(&self, argument: &'static str, at: usize, value: &str) -> Error {
-        let row = self.bodies.awake.rows[at];
-        let id = self.id_among_all(row);
-        // Ids of a distributed world have no gaps.
-        let index = if self.halo.is_whole() { row as usize } else { id as usize };
-        Error::NotFinite { argument, index, id, value: value.to_string() }
-    }
+fn not_finite(world: &World, argument: &'static str, at: usize, value: &str) -> Error {
+    let row = world.bodies.awake.rows[at];
+    let id = world.halo.id_among_all(&world.bodies.ids, row);
+    // Ids of a distributed world have no gaps.
+    let index = if world.halo.is_whole() { row as usize } else { id as usize };
+    Error::NotFinite { argument, index, id, value: value.to_string() }
 }
 
 /// Whether all numbers are finite and not too large.

@@ -6,6 +6,7 @@ use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::islands::wake::any_sleeps;
 use super::merge;
 use super::plan::Plan;
+use super::step::too_many_collisions;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
 use crate::events::Flight;
 use crate::flow::{Flow, Kick};
@@ -218,9 +219,9 @@ impl World {
             halo,
             ..
         } = self;
-        let StepScratch { tree, max_displacements, grown, renewed, crowding, .. } = scratch;
+        let StepScratch { tree, max_displacements, grown, renewed, horizon, .. } = scratch;
         let of_bounds =
-            BoundsScratch { tree, max_displacements, grown, renewed, crowding: *crowding };
+            BoundsScratch { tree, max_displacements, grown, renewed, crowding: horizon.crowding };
         // The first bounds last for their share of the first sub-step. At the beginning of each
         // later sub-step they have expired.
         let share =
@@ -256,7 +257,7 @@ impl World {
         let done = scratch.events.simulate(&flight, &mut bounds);
         // The events know indices only.
         done.map_err(|error| match error {
-            Error::TooManyCollisions { .. } => self.too_many_collisions(),
+            Error::TooManyCollisions { .. } => too_many_collisions(self),
             other => other,
         })
     }

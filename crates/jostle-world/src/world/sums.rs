@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use super::World;
+use super::bodies::discs::Discs;
 use super::force_step::{bodies, find_indices};
+use crate::container::Container;
 use crate::forces::{Bodies, Influence, Role, Springs};
 use crate::particles::Particles;
 use jostle_base::bytes::Plain;
@@ -12,7 +14,7 @@ use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 impl World {
     /// Sum of mass times velocity of the movable particles. Sleeping particles have none.
     pub fn momentum(&self) -> [f64; 2] {
-        let all = self.movable_places().map(|at| {
+        let all = movable_indices(&self.bodies.awake.particles).map(|at| {
             let mass = f64::from(self.bodies.awake.particles.masses[at]);
             self.bodies.awake.particles.velocities[at].map(|v| mass * f64::from(v))
         });
@@ -31,13 +33,8 @@ impl World {
             let surface_speed = f64::from(radii[at]) * velocity;
             0.25 * f64::from(masses[at]) * (surface_speed * surface_speed)
         };
-        let flying: f64 = self.movable_places().map(energy).sum();
-        flying + self.movable_places().map(turning).sum::<f64>()
-    }
-
-    /// The indices of movable particles that are awake.
-    fn movable_places(&self) -> impl Iterator<Item = usize> {
-        (0..self.bodies.awake.rows.len()).filter(|&at| self.bodies.awake.particles.movable[at])
+        let flying: f64 = movable_indices(&self.bodies.awake.particles).map(energy).sum();
+        flying + movable_indices(&self.bodies.awake.particles).map(turning).sum::<f64>()
     }
 
     /// Energy of all movable particles in the field of gravity, and of all forces that have
@@ -49,60 +46,12 @@ impl World {
             let p = all.positions[at].map(f64::from);
             -f64::from(all.masses[at]) * (gx * p[0] + gy * p[1])
         };
-        let awake = self.movable_places().map(|at| energy(&self.bodies.awake.particles, at));
+        let awake = movable_indices(&self.bodies.awake.particles)
+            .map(|at| energy(&self.bodies.awake.particles, at));
         let asleep = self.bodies.asleep.indices();
         let asleep = asleep.map(|at| energy(&self.bodies.asleep.sleepers().discs.particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();
-        if self.influences.is_empty() { gravity } else { gravity + self.energy_in_forces() }
-    }
-
-    pub(crate) fn energy_in_forces(&self) -> f64 {
-        let (mut indices, settings) = (Vec::new(), &self.settings);
-        find_indices(
-            &self.influences,
-            &self.bodies.awake.rows,
-            self.bodies.asleep.len(),
-            &mut indices,
-        );
-        let positions = &self.bodies.awake.particles.positions;
-        let wrapped: Vec<[f32; 2]> =
-            positions.iter().map(|&position| settings.container.period().wrap(position)).collect();
-        let bodies = bodies(
-            &self.bodies.awake.particles,
-            &wrapped,
-            (&self.bodies.awake.rows, &indices),
-            settings,
-        );
-        let bodies = Bodies { own_rows: self.halo.own_rows(), ..bodies };
-        let of_influence = |influence: &Influence| match influence.role() {
-            Role::Force(force) => force.energy(&bodies),
-            Role::Springs(springs) => self.energy_of_springs(springs),
-            Role::Motor(_) | Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => 0.0,
-        };
-        self.influences.list().iter().map(of_influence).sum()
-    }
-
-    /// Energy of springs, also between sleeping particles.
-    fn energy_of_springs(&self, springs: &Springs) -> f64 {
-        let container = self.settings.container;
-        let asleep = &self.bodies.asleep.sleepers().discs;
-        let asleep = self
-            .bodies
-            .asleep
-            .indices()
-            .map(|at| (asleep.rows[at], asleep.particles.positions[at]));
-        let awake = self
-            .bodies
-            .awake
-            .rows
-            .iter()
-            .copied()
-            .zip(self.bodies.awake.particles.positions.iter().copied());
-        let mut positions = vec![[0.0; 2]; self.bodies.awake.rows.len() + self.bodies.asleep.len()];
-        for (row, position) in awake.chain(asleep) {
-            positions[row as usize] = container.period().wrap(position);
-        }
-        springs.energy(&positions, &container)
+        if self.influences.is_empty() { gravity } else { gravity + energy_in_forces(self) }
     }
 
     /// A 64-bit hash of the particles but their kinds, the same on every platform.
@@ -111,6 +60,43 @@ impl World {
         let hash = StateHash::begin(all.len());
         StateHash::parts(&all).into_iter().fold(hash, |hash, part| hash.and(&all, part)).0
     }
+}
+
+/// The indices of movable particles.
+fn movable_indices(all: &Particles) -> impl Iterator<Item = usize> {
+    (0..all.len()).filter(|&at| all.movable[at])
+}
+
+/// Energy of the forces that have a potential.
+pub(crate) fn energy_in_forces(world: &World) -> f64 {
+    let World { bodies: all, settings, influences, halo, .. } = world;
+    let Discs { particles, rows, .. } = &all.awake;
+    let mut indices = Vec::new();
+    find_indices(influences, rows, all.asleep.len(), &mut indices);
+    let wrap = |&position| settings.container.period().wrap(position);
+    let wrapped: Vec<[f32; 2]> = particles.positions.iter().map(wrap).collect();
+    let bodies = bodies(particles, &wrapped, (rows, &indices), settings);
+    let bodies = Bodies { own_rows: halo.own_rows(), ..bodies };
+    let of_influence = |influence: &Influence| match influence.role() {
+        Role::Force(force) => force.energy(&bodies),
+        Role::Springs(springs) => energy_of_springs(springs, all, &settings.container),
+        Role::Motor(_) | Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => 0.0,
+    };
+    influences.list().iter().map(of_influence).sum()
+}
+
+/// Energy of springs, also between sleeping particles.
+fn energy_of_springs(
+    springs: &Springs,
+    bodies: &super::bodies::Bodies,
+    container: &Container,
+) -> f64 {
+    let mut positions = vec![[0.0; 2]; bodies.len()];
+    for (row, index) in bodies.rows_and_indices() {
+        let (all, at) = bodies.disc_at(index as usize);
+        positions[row as usize] = container.period().wrap(all.positions[at]);
+    }
+    springs.energy(&positions, container)
 }
 
 /// A hash of particles, of one part of their columns after the other. Part 0 is all dense columns, row by row;

@@ -1,14 +1,20 @@
 //! What touched during the last step, and with which impulses.
 
-use super::{OnTouch, World};
-use crate::contacts::Contact;
-use crate::events::{Bounce, WALL};
-use crate::motion::exact;
+use super::bodies::Bodies;
+use super::bodies::discs::Discs;
+use super::record::record_pairs;
+use super::search::{Overlap, overlapping};
+use super::settings::{OnTouch, WorldSettings};
+use super::{StepScratch, World};
+use crate::contacts::{Contact, Contacts};
+use crate::events::{Bounce, Events, WALL};
+use crate::motion::{Motions, exact};
+use crate::particles::Particles;
 use crate::resting::WallImpulse;
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::interrupt;
+use jostle_index::period::Period;
 
 /// Two particles that touched during the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,95 +64,107 @@ pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
     }
 }
 
+/// Collects what touched in a part of a step, and with which impulses, from the results of the
+/// sub-steps.
+pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) {
+    list_exhausted(world);
+    let World { bodies, scratch, boundaries, record, halo, settings, contacts, .. } = world;
+    let Discs { particles, rows, .. } = &bodies.awake;
+    let Events { bounced, sensed, .. } = &mut scratch.events;
+    if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
+        bounced.sort_unstable_by(Bounce::order);
+    }
+    // A pair of particles belongs to the process of the first.
+    let is_own = |index: u32| rows[index as usize] < halo.own_rows();
+    for of in bounced.iter().filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
+        record.count(of.pair[1] == WALL);
+    }
+    boundaries.collect(bounced, rows);
+    sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
+    sensed.sort_unstable();
+    sensed.dedup();
+    if settings.on_touch == OnTouch::Bounce {
+        let period = settings.container.period().exact();
+        update_contacts(contacts, particles, &scratch.motions, &period, (bounced, sensed), threads);
+    } else {
+        let sensed = std::mem::take(sensed);
+        record_pairs(world, &sensed);
+        world.scratch.events.sensed = sensed;
+    }
+}
+
+/// Lists the rows that were exhausted, and counts those whose collisions became elastic.
+fn list_exhausted(world: &mut World) {
+    let World { bodies, scratch: StepScratch { exhausted, events, .. }, stats, halo, .. } = world;
+    let rows = &bodies.awake.rows;
+    exhausted.extend(events.exhausted.iter().map(|&index| rows[index as usize]));
+    exhausted.sort_unstable();
+    exhausted.dedup();
+    stats.unresolved = exhausted.len() as u64;
+    let is_own = |index: u32| rows[index as usize] < halo.own_rows();
+    let collapsed = events.collapsed.iter().filter(|&&index| is_own(index));
+    stats.collapsed += collapsed.count() as u64;
+}
+
+/// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
+/// through each other (`sensed`), and measures all.
+fn update_contacts(
+    contacts: &mut Contacts,
+    particles: &Particles,
+    motions: &Motions,
+    period: &Period<f64>,
+    (bounced, sensed): (&[Bounce], &[[u32; 2]]),
+    threads: Option<usize>,
+) {
+    let bounced = bounced.iter().filter(|of| of.pair[1] != WALL);
+    let bounced = bounced.map(|of| (of.pair, of.impulses));
+    let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
+    let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
+        let pair = [a.min(b), a.max(b)];
+        // Trajectories are not wrapped within a step, so the two may be in different copies of
+        // the torus.
+        let mut image = [0.0; 2];
+        if !period.is_none() {
+            let [p, q] = pair.map(|index| motions.position(index).map(f64::from));
+            let offset = [0, 1].map(|k| q[k] - p[k]);
+            let nearest = period.minimum_image(offset);
+            image = [0, 1].map(|k| (nearest[k] - offset[k]) as f32);
+        }
+        (pair, image, impulses)
+    });
+    contacts.keep_lasting(touched, particles, particles.len());
+    contacts.each(threads, |contact| contact.measure(motions, &particles.radii));
+}
+
+/// The overlapping pairs by id, as callers see them.
+fn overlaps(bodies: &Bodies, settings: &WorldSettings) -> Result<Vec<Touch>> {
+    let Discs { particles, rows, .. } = &bodies.awake;
+    let touch = |Overlap { indices, offset, radius_sum }: Overlap| {
+        let [i, j] = indices.map(|index| rows[index as usize]);
+        let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        let sign = if i < j { 1.0 } else { -1.0 };
+        // The normal of coincident centres is +x.
+        let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
+        let (normal_impulse, friction_impulse) = (0.0, 0.0);
+        let pair = [i.min(j), i.max(j)].map(|row| bodies.ids.of(row));
+        let depth = radius_sum - length;
+        Touch { pair, normal, depth, normal_impulse, friction_impulse }
+    };
+    let mut touches: Vec<Touch> =
+        overlapping(particles, settings)?.0.into_iter().map(touch).collect();
+    interrupt::check()?;
+    touches.sort_unstable_by_key(|touch| touch.pair);
+    interrupt::check()?;
+    Ok(touches)
+}
+
 impl World {
-    /// Collects what touched in a part of a step, and with which impulses, from the results of the
-    /// sub-steps.
-    pub(crate) fn collect_touches(&mut self, threads: Option<usize>) {
-        self.list_exhausted();
-        let bounced = &mut self.scratch.events.bounced;
-        if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
-            bounced.sort_unstable_by(Bounce::order);
-        }
-        self.count_collisions();
-        self.boundaries.collect(&self.scratch.events.bounced, &self.bodies.awake.rows);
-        let mut sensed = std::mem::take(&mut self.scratch.events.sensed);
-        sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
-        sensed.sort_unstable();
-        sensed.dedup();
-        if self.settings.on_touch == OnTouch::Bounce {
-            self.update_contacts(&sensed, threads);
-        } else {
-            self.record_pairs(&sensed);
-        }
-        self.scratch.events.sensed = sensed;
-    }
-
-    /// Lists the rows that were exhausted, and counts those whose collisions became elastic.
-    fn list_exhausted(&mut self) {
-        let exhausted = &mut self.scratch.exhausted;
-        let new = self
-            .scratch
-            .events
-            .exhausted
-            .iter()
-            .map(|&index| self.bodies.awake.rows[index as usize]);
-        exhausted.extend(new);
-        exhausted.sort_unstable();
-        exhausted.dedup();
-        self.stats.unresolved = exhausted.len() as u64;
-        let (own, rows) = (self.halo.own_rows(), &self.bodies.awake.rows);
-        let is_own = |index: u32| rows[index as usize] < own;
-        let collapsed = self.scratch.events.collapsed.iter().filter(|&&index| is_own(index));
-        self.stats.collapsed += collapsed.count() as u64;
-    }
-
-    fn count_collisions(&mut self) {
-        let (own, rows) = (self.halo.own_rows(), &self.bodies.awake.rows);
-        // A pair of particles belongs to the process of the first.
-        let is_own = |index: u32| rows[index as usize] < own;
-        let bounced = self.scratch.events.bounced.iter();
-        for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
-            self.record.count(of.pair[1] == WALL);
-        }
-    }
-
-    /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
-    /// through each other (`sensed`), and measures all.
-    fn update_contacts(&mut self, sensed: &[[u32; 2]], threads: Option<usize>) {
-        let Self {
-            bodies: Bodies { awake: Discs { particles, .. }, .. },
-            settings,
-            scratch,
-            contacts,
-            ..
-        } = self;
-        let (motions, period) = (&scratch.motions, settings.container.period().exact());
-        let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);
-        let bounced = bounced.map(|of| (of.pair, of.impulses));
-        let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
-        let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
-            let pair = [a.min(b), a.max(b)];
-            // Trajectories are not wrapped within a step, so the two may be in different copies of
-            // the torus.
-            let mut image = [0.0; 2];
-            if !period.is_none() {
-                let [p, q] = pair.map(|index| motions.position(index).map(f64::from));
-                let offset = [0, 1].map(|k| q[k] - p[k]);
-                let nearest = period.minimum_image(offset);
-                image = [0, 1].map(|k| (nearest[k] - offset[k]) as f32);
-            }
-            (pair, image, impulses)
-        });
-        contacts.keep_lasting(touched, particles, particles.len());
-        contacts.each(threads, |contact| contact.measure(motions, &particles.radii));
-    }
-
     /// The pairs that touched during the last step, in canonical order. Then the pairs of sleeping
     /// islands, as in the last step in which these were awake, in the order in which they fell
     /// asleep. If nothing bounces, those that overlap now; an error if there are too many.
     pub fn contacts(&self) -> Result<Vec<Touch>> {
         if self.settings.on_touch != OnTouch::Bounce {
-            return self.overlaps();
+            return overlaps(&self.bodies, &self.settings);
         }
         let id = |row: u32| self.bodies.ids.of(row);
         let of_index = |index: u32| id(self.bodies.awake.rows[index as usize]);

@@ -19,63 +19,60 @@ pub(crate) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     influences: Influences,
-    external: Option<Vec<[f32; 2]>>,
     stats: Stats,
     /// Those before the first merger of the step.
     pub(crate) ids: Option<Ids>,
 }
 
-impl World {
-    /// Begins a step.
-    pub(crate) fn begin(&mut self) {
-        // `reorder` writes new columns beside the old ones, so these need no copy. Only what a step
-        // changes in place is copied here.
-        let before = &mut self.scratch.before;
-        before.is_reordered = false;
-        before.influences.clone_from(&self.influences);
-        before.external.clone_from(&self.external);
-        self.boundaries.begin_attempt();
-        before.stats = self.stats;
-        self.record.begin_step();
-        before.ids = None;
-        // Callers may set positions outside of the torus. Undo must restore their bits.
-        let period = self.settings.container.period();
-        let Particles { positions, residuals, .. } = &mut self.bodies.awake.particles;
-        let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
-        let is_any_outside = !period.is_none() && positions.iter().any(outside);
-        before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
-        if is_any_outside {
-            for (position, residual) in positions.iter_mut().zip(residuals) {
-                (*position, *residual) = motion::wrapped(*position, *residual, &period);
-            }
+/// Begins a step.
+pub(crate) fn begin(world: &mut World) {
+    // `reorder` writes new columns beside the old ones, so these need no copy. Only what a step
+    // changes in place is copied here.
+    let before = &mut world.scratch.before;
+    before.is_reordered = false;
+    before.influences.clone_from(&world.influences);
+    world.external.begin_attempt();
+    world.boundaries.begin_attempt();
+    before.stats = world.stats;
+    world.record.begin_step();
+    before.ids = None;
+    // Callers may set positions outside of the torus. Undo must restore their bits.
+    let period = world.settings.container.period();
+    let Particles { positions, residuals, .. } = &mut world.bodies.awake.particles;
+    let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
+    let is_any_outside = !period.is_none() && positions.iter().any(outside);
+    before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
+    if is_any_outside {
+        for (position, residual) in positions.iter_mut().zip(residuals) {
+            (*position, *residual) = motion::wrapped(*position, *residual, &period);
         }
     }
+}
 
-    /// Restores the state at the beginning of the step.
-    pub(crate) fn undo(&mut self) {
-        let before = &mut self.scratch.before;
-        // An attempt that ended before it reordered has left the columns as they were.
-        if before.is_reordered {
-            let Discs { particles, rows, persistent } = &mut before.discs;
-            std::mem::swap(&mut self.bodies.awake.particles, particles);
-            std::mem::swap(&mut self.bodies.awake.rows, rows);
-            std::mem::swap(&mut self.bodies.awake.persistent, persistent);
-            self.contacts.exchange(&mut before.contacts);
-            self.contacts.remember(self.bodies.awake.rows.len());
-            self.bodies.forget_indices();
-        }
-        // After the exchange of columns, because these positions are in the old order.
-        if let Some([positions, residuals]) = before.unwrapped.take() {
-            (self.bodies.awake.particles.positions, self.bodies.awake.particles.residuals) =
-                (positions, residuals);
-        }
-        std::mem::swap(&mut self.influences, &mut before.influences);
-        std::mem::swap(&mut self.external, &mut before.external);
-        self.boundaries.undo();
-        self.stats = before.stats;
-        self.record.undo_step();
-        if let Some(ids) = before.ids.take() {
-            self.bodies.ids = ids;
-        }
+/// Restores the state at the beginning of the step.
+pub(crate) fn undo(world: &mut World) {
+    let before = &mut world.scratch.before;
+    // An attempt that ended before it reordered has left the columns as they were.
+    if before.is_reordered {
+        let Discs { particles, rows, persistent } = &mut before.discs;
+        std::mem::swap(&mut world.bodies.awake.particles, particles);
+        std::mem::swap(&mut world.bodies.awake.rows, rows);
+        std::mem::swap(&mut world.bodies.awake.persistent, persistent);
+        world.contacts.exchange(&mut before.contacts);
+        world.contacts.remember(world.bodies.awake.rows.len());
+        world.bodies.forget_indices();
+    }
+    // After the exchange of columns, because these positions are in the old order.
+    if let Some([positions, residuals]) = before.unwrapped.take() {
+        (world.bodies.awake.particles.positions, world.bodies.awake.particles.residuals) =
+            (positions, residuals);
+    }
+    std::mem::swap(&mut world.influences, &mut before.influences);
+    world.external.undo();
+    world.boundaries.undo();
+    world.stats = before.stats;
+    world.record.undo_step();
+    if let Some(ids) = before.ids.take() {
+        world.bodies.ids = ids;
     }
 }

@@ -223,7 +223,7 @@ impl Bodies {
         indices.len() == self.len() && self.rows_and_indices().all(is_right)
     }
 
-    fn rows_and_indices(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+    pub(crate) fn rows_and_indices(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         let (awake, rows) = (self.awake.rows.len(), &self.asleep.sleepers().discs.rows);
         let asleep = self.asleep.indices().map(move |at| (rows[at], (awake + at) as u32));
         self.awake.rows.iter().copied().zip(0..).chain(asleep)

@@ -46,7 +46,14 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
         discs.persistent.recent_motions.clear();
         return Ok(());
     }
-    note_motions(discs, settings, &scratch.exhausted, external.as_deref(), dt, plan.threads);
+    note_motions(
+        discs,
+        settings,
+        &scratch.exhausted,
+        external.accelerations.as_deref(),
+        dt,
+        plan.threads,
+    );
     if quarter(world.time) == quarter(world.time + dt) {
         return Ok(());
     }

@@ -3,12 +3,14 @@
 
 use std::mem;
 
+use super::super::bodies::Bodies;
 use super::super::bodies::asleep::{Island, Sleepers};
-use super::super::bodies::discs::{Persistent, RecentMotion};
+use super::super::bodies::discs::{Discs, RecentMotion};
+use super::super::boundaries::Boundaries;
 use super::super::islands::sleep::may_sleep;
 use super::super::{Walls, World, WorldSettings};
 use crate::contacts::Contact;
-use crate::particles::{Particles, check_vectors};
+use crate::particles::check_vectors;
 use crate::resting::WallImpulse;
 use crate::walls::index_of;
 use jostle_base::bytes::damaged;
@@ -25,122 +27,6 @@ fn refused(error: Error) -> Error {
 /// Refuses what is wrong, for this reason.
 fn ensure(is_right: bool, rule: &str) -> Result<()> {
     if is_right { Ok(()) } else { Err(damaged(rule)) }
-}
-
-impl World {
-    /// Refuses values that no world can have, and computes what follows from the others.
-    pub(super) fn finish(&mut self) -> Result<()> {
-        // A checksum does not show that bytes are not forged. So nothing here may rely on what is
-        // not yet checked: lengths come before rows, rows before contacts, and these before
-        // islands.
-        let WorldSettings { container, tree, .. } = self.settings;
-        self.settings.validate().map_err(refused)?;
-        ensure(self.time.is_finite(), "its time is not finite")?;
-        self.check_discs(
-            &self.bodies.awake.particles,
-            &self.bodies.awake.persistent,
-            self.bodies.awake.rows.len(),
-        )?;
-        self.bodies.awake.particles.simplify();
-        let Sleepers { discs, contacts, wall_impulses, islands } = self.bodies.asleep.sleepers();
-        self.check_discs(&discs.particles, &discs.persistent, discs.rows.len())?;
-        check_islands(islands, [discs.rows.len(), contacts.len(), wall_impulses.len()])?;
-        let (awake, len) = (
-            self.bodies.awake.rows.len(),
-            self.bodies.awake.rows.len().saturating_add(discs.rows.len()),
-        );
-        ensure(len <= MAX_ROWS, "it has too many particles")?;
-        // Rows index lists everywhere, so they must be a permutation.
-        check_rows(self.bodies.awake.rows.iter().chain(&discs.rows), len)?;
-        check_contacts(self.contacts.all(), awake)?;
-        check_contacts(contacts, len)?;
-        check_impulses(&self.boundaries.impulses, len)?;
-        check_impulses(wall_impulses, len)?;
-        self.contacts.remember(awake);
-        self.bodies.asleep = self.bodies.asleep.rebuilt(tree).map_err(refused)?;
-        self.check_sleeping()?;
-        self.influences
-            .validate(|row| (0..len as Id).contains(&row))
-            .and_then(|()| self.influences.check_kinds(&self.bodies.kinds()))
-            .and_then(|()| self.influences.check_fit(container))
-            .and_then(|()| self.influences.check_sides(container))
-            .map_err(refused)?;
-        let walls = mem::take(&mut self.boundaries.walls).all().to_vec();
-        self.boundaries.walls = Walls::new(walls, container, tree).map_err(refused)?;
-        self.boundaries.walls.set_sides(self.settings.side_restitutions());
-        self.influences.check_walls(self.walls().len()).map_err(refused)?;
-        self.check_wall_impulses()?;
-        self.bodies
-            .ids
-            .check(len)
-            .and_then(|()| self.bodies.defaults.validate())
-            .map_err(refused)?;
-        if let Some(external) = &self.external {
-            ensure(external.len() == len, "it has accelerations of no particles")?;
-            check_vectors("accelerations", external).map_err(refused)?;
-        }
-        self.record.check(self.bodies.ids.parts().1, self.settings.track_events)?;
-        ensure(
-            self.bodies.asleep.is_empty()
-                || may_sleep(&self.settings, &self.influences, &self.boundaries.walls),
-            "nothing can sleep in it",
-        )
-    }
-
-    fn check_discs(
-        &self,
-        particles: &Particles,
-        persistent: &Persistent,
-        len: usize,
-    ) -> Result<()> {
-        particles.validate().map_err(refused)?;
-        self.settings.container.check_fit(&particles.radii).map_err(refused)?;
-        let lengths = check_lengths(persistent, len, |column| column);
-        ensure(particles.len() == len && lengths.is_ok(), "its columns have different lengths")?;
-        let is_nan = |of: &RecentMotion| of.before.iter().chain(&of.now).any(|v| v.is_nan());
-        ensure(!persistent.recent_motions.iter().any(is_nan), "a mean speed is not possible")
-    }
-
-    /// Refuses impulses of walls that do not exist.
-    pub(crate) fn check_wall_impulses(&self) -> Result<()> {
-        let count = self.walls().len();
-        let mut all =
-            self.boundaries.impulses.iter().chain(&self.bodies.asleep.sleepers().wall_impulses);
-        let is_known =
-            |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
-        ensure(all.all(is_known), "a wall has an impulse on no particle")
-    }
-
-    /// Refuses sleeping particles that move, and islands with contacts of others.
-    pub(crate) fn check_sleeping(&self) -> Result<()> {
-        let Sleepers { discs, contacts, wall_impulses, islands } = self.bodies.asleep.sleepers();
-        let particles = &discs.particles;
-        let indices = self.bodies.indices();
-        let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
-            && particles.spins.iter().all(|spin| spin.velocity == 0.0)
-            && particles.movable.iter().all(|&movable| movable);
-        let are_own = |island: &Island| {
-            let first = self.bodies.awake.rows.len() as u32;
-            let own = first + island.particles.start..first + island.particles.end;
-            let index = |row: u32| indices[row as usize];
-            let is_own = |&row: &u32| own.contains(&index(row));
-            let is_fixed = |&row: &u32| {
-                self.bodies
-                    .awake
-                    .particles
-                    .movable
-                    .get(index(row) as usize)
-                    .is_some_and(|&movable| !movable)
-            };
-            let range = |range: &std::ops::Range<u32>| range.start as usize..range.end as usize;
-            contacts[range(&island.contacts)].iter().all(|contact| {
-                contact.indices.iter().any(is_own)
-                    && contact.indices.iter().all(|row| is_own(row) || is_fixed(row))
-            }) && wall_impulses[range(&island.wall_impulses)].iter().all(|of| is_own(&of.row))
-        };
-        let rule = "a sleeping particle moves, or touches one that is not in its island";
-        ensure(at_rest && islands.iter().all(are_own), rule)
-    }
 }
 
 /// Refuses islands that do not have all particles, contacts and impulses of walls, one after the other.
@@ -188,4 +74,94 @@ fn check_impulses(all: &[WallImpulse], len: usize) -> Result<()> {
         ensure(is_right, "an impulse of a wall is not a number, or negative")?;
     }
     Ok(())
+}
+
+/// Refuses values that no world can have, and computes what follows from the others.
+pub(super) fn finish(world: &mut World) -> Result<()> {
+    // A checksum does not show that bytes are not forged. So nothing here may rely on what is
+    // not yet checked: lengths come before rows, rows before contacts, and these before
+    // islands.
+    let World { settings, bodies, contacts, boundaries, influences, external, record, .. } = world;
+    let WorldSettings { container, tree, .. } = *settings;
+    settings.validate().map_err(refused)?;
+    ensure(world.time.is_finite(), "its time is not finite")?;
+    check_discs(&bodies.awake, settings)?;
+    bodies.awake.particles.simplify();
+    let Sleepers { discs, contacts: asleep, wall_impulses, islands } = bodies.asleep.sleepers();
+    check_discs(discs, settings)?;
+    check_islands(islands, [discs.rows.len(), asleep.len(), wall_impulses.len()])?;
+    let awake = bodies.awake.rows.len();
+    let len = awake.saturating_add(discs.rows.len());
+    ensure(len <= MAX_ROWS, "it has too many particles")?;
+    // Rows index lists everywhere, so they must be a permutation.
+    check_rows(bodies.awake.rows.iter().chain(&discs.rows), len)?;
+    check_contacts(contacts.all(), awake)?;
+    check_contacts(asleep, len)?;
+    check_impulses(&boundaries.impulses, len)?;
+    check_impulses(wall_impulses, len)?;
+    contacts.remember(awake);
+    bodies.asleep = bodies.asleep.rebuilt(tree).map_err(refused)?;
+    check_sleeping(bodies)?;
+    influences
+        .validate(|row| (0..len as Id).contains(&row))
+        .and_then(|()| influences.check_kinds(&bodies.kinds()))
+        .and_then(|()| influences.check_fit(container))
+        .and_then(|()| influences.check_sides(container))
+        .map_err(refused)?;
+    let walls = mem::take(&mut boundaries.walls).all().to_vec();
+    boundaries.walls = Walls::new(walls, container, tree).map_err(refused)?;
+    boundaries.walls.set_sides(settings.side_restitutions());
+    influences.check_walls(boundaries.walls.all().len()).map_err(refused)?;
+    check_wall_impulses(boundaries, bodies)?;
+    bodies.ids.check(len).and_then(|()| bodies.defaults.validate()).map_err(refused)?;
+    if let Some(external) = &external.accelerations {
+        ensure(external.len() == len, "it has accelerations of no particles")?;
+        check_vectors("accelerations", external).map_err(refused)?;
+    }
+    record.check(bodies.ids.parts().1, settings.track_events)?;
+    let may_sleep = may_sleep(settings, influences, &boundaries.walls);
+    ensure(bodies.asleep.is_empty() || may_sleep, "nothing can sleep in it")
+}
+
+fn check_discs(discs: &Discs, settings: &WorldSettings) -> Result<()> {
+    let Discs { particles, persistent, rows } = discs;
+    particles.validate().map_err(refused)?;
+    settings.container.check_fit(&particles.radii).map_err(refused)?;
+    let len = rows.len();
+    let lengths = check_lengths(persistent, len, |column| column);
+    ensure(particles.len() == len && lengths.is_ok(), "its columns have different lengths")?;
+    let is_nan = |of: &RecentMotion| of.before.iter().chain(&of.now).any(|v| v.is_nan());
+    ensure(!persistent.recent_motions.iter().any(is_nan), "a mean speed is not possible")
+}
+
+/// Refuses impulses of walls that do not exist.
+pub(crate) fn check_wall_impulses(boundaries: &Boundaries, bodies: &Bodies) -> Result<()> {
+    let count = boundaries.walls.all().len();
+    let mut all = boundaries.impulses.iter().chain(&bodies.asleep.sleepers().wall_impulses);
+    let is_known =
+        |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
+    ensure(all.all(is_known), "a wall has an impulse on no particle")
+}
+
+/// Refuses sleeping particles that move, and islands with contacts of others.
+pub(crate) fn check_sleeping(bodies: &Bodies) -> Result<()> {
+    let Sleepers { discs, contacts, wall_impulses, islands } = bodies.asleep.sleepers();
+    let particles = &discs.particles;
+    let indices = bodies.indices();
+    let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
+        && particles.spins.iter().all(|spin| spin.velocity == 0.0)
+        && particles.movable.iter().all(|&movable| movable);
+    let are_own = |island: &Island| {
+        let first = bodies.awake.rows.len() as u32;
+        let own = first + island.particles.start..first + island.particles.end;
+        let is_own = |&row: &u32| own.contains(&indices[row as usize]);
+        let is_fixed = |&row: &u32| bodies.is_immovable(indices[row as usize]);
+        let range = |range: &std::ops::Range<u32>| range.start as usize..range.end as usize;
+        contacts[range(&island.contacts)].iter().all(|contact| {
+            contact.indices.iter().any(is_own)
+                && contact.indices.iter().all(|row| is_own(row) || is_fixed(row))
+        }) && wall_impulses[range(&island.wall_impulses)].iter().all(|of| is_own(&of.row))
+    };
+    let rule = "a sleeping particle moves, or touches one that is not in its island";
+    ensure(at_rest && islands.iter().all(are_own), rule)
 }

@@ -5,7 +5,7 @@
 //! caller. Each type declares its fields once, with [`saved!`](jostle_base::saved!) or [`plain!`](jostle_base::plain!), and the columns
 //! are those of [`table!`](jostle_base::table!). `check` refuses what no world can have.
 
-mod check;
+pub(crate) mod check;
 
 use super::World;
 use super::boundaries::Boundaries;
@@ -91,7 +91,7 @@ impl World {
         let mut from = Reader::open(bytes, MAGIC, VERSION)?;
         let mut world = Self::get(&mut from)?;
         from.close()?;
-        world.finish()?;
+        check::finish(&mut world)?;
         Ok(world)
     }
 }
