@@ -88,7 +88,7 @@ impl Block {
         // Events jump between discs, and each jump would wait for memory. To read the columns in
         // order first lets the processor prefetch them.
         arguments.neighbors.load(self.number);
-        if !arguments.window.flight.begins_step {
+        if !arguments.window.flight.begins_part {
             cache::load(&positions[range.clone()]);
             cache::load(&residuals[range.clone()]);
         }

@@ -81,8 +81,9 @@ pub struct Flight<'a> {
     pub flow: Flow,
     /// What forces and resting contacts do to each disc; empty where there are none.
     pub kicks: &'a [Kick],
-    /// Whether it is the first of the step, in which discs begin as `particles` tell.
-    pub begins_step: bool,
+    /// Whether it is the first of the part. Then discs begin as `particles` and `kicks` tell, and `motions` may not
+    /// be loaded: nothing but this flight may write it before it ends.
+    pub begins_part: bool,
     /// The container and the walls.
     pub walls: Around<'a>,
     /// Coefficient of restitution of the world.
@@ -172,7 +173,7 @@ impl Flight<'_> {
     /// The motion with which a disc begins.
     #[inline(always)]
     pub fn motion(&self, index: u32) -> Motion {
-        if self.begins_step {
+        if self.begins_part {
             Motion::of(self.particles, index as usize)
         } else {
             self.motions.get(index)
@@ -311,7 +312,7 @@ impl Window<'_> {
     /// Moves a disc that nothing accelerates to the end of the flight.
     pub fn carry(&self, index: u32) {
         let Flight { particles, motions, spins, .. } = self.flight;
-        if self.flight.begins_step {
+        if self.flight.begins_part {
             motions.set(index, self.flight.motion(index));
         }
         if particles.is_static(index as usize) {
@@ -659,7 +660,7 @@ impl Window<'_> {
         if let Some(anchors) = self.anchors {
             return anchors[index as usize].map(f64::from);
         }
-        if self.flight.begins_step {
+        if self.flight.begins_part {
             // In the cache, for other reasons.
             let Start { position, residual, .. } = self.starts[index as usize];
             exact(position, residual)

@@ -319,8 +319,8 @@ impl Events {
         carried.take(&self.again, AGAIN, &self.course_of);
     }
 
-    /// Begins a step of `len` discs: clears its results.
-    pub fn begin_step(&mut self, len: usize) {
+    /// Begins a part of a step of `len` discs: clears its results.
+    pub fn begin_part(&mut self, len: usize) {
         self.counts.clear();
         self.counts.resize(len, 0);
         *self.has_too_many.get_mut() = false;

@@ -153,13 +153,6 @@ impl Protocol for Ranks {
         digest_shared(world);
     }
 
-    fn must_repeat(&self, world: &mut World) -> Result<bool> {
-        let agreement = compare_with_other_ranks(world)?;
-        // `end` must not compare again: the other ranks make no further call.
-        world.scratch.agreement = Some(agreement);
-        Ok(agreement != Agreement::Same)
-    }
-
     fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
         let members = members_of_islands(world, touching)?;
         merge_members(world, &members)
@@ -169,8 +162,8 @@ impl Protocol for Ranks {
         exchange_static_ghosts(world)
     }
 
-    fn compare(&self, world: &mut World) -> Result<Agreement> {
-        compare_with_other_ranks(world)
+    fn compare(&self, world: &mut World, meets_sleepers: bool) -> Result<Agreement> {
+        compare_with_other_ranks(world, meets_sleepers)
     }
 
     fn end_step(&self, world: &mut World) {
@@ -337,7 +330,7 @@ pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
 /// Compares the hashes of all ghosts that may meet own particles with those of their own ranks,
 /// on all ranks. Refuses, on all ranks, a step that is the same on all and in which a particle
 /// has too many collisions.
-pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
+pub(super) fn compare_with_other_ranks(world: &World, meets_sleepers: bool) -> Result<Agreement> {
     let Some(domain) = domain_of(world) else { return Ok(Agreement::Same) };
     let halo: &dyn Halo = domain;
     if halo.is_alone() {
@@ -365,7 +358,7 @@ pub(super) fn compare_with_other_ranks(world: &mut World) -> Result<Agreement> {
         domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
     });
     // A step that ended early, or that differs, is repeated.
-    let is_refused = !world.islands.meets_sleepers && world.scratch.events.has_too_many();
+    let is_refused = !meets_sleepers && world.scratch.events.has_too_many();
     // All ranks must return the same, so the numbers are added up even where this rank knows its
     // answer.
     let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;

@@ -250,8 +250,8 @@ pub(crate) struct Grown {
 }
 
 impl Grown {
-    /// Begins a step.
-    pub(crate) fn begin_step(&mut self) {
+    /// Begins a part of a step.
+    pub(crate) fn begin_part(&mut self) {
         self.circles.clear();
     }
 }

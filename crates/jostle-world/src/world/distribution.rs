@@ -164,11 +164,6 @@ pub(crate) trait Protocol: Sync {
     /// Records what happened to shared particles in a part of a step.
     fn end_part(&self, _: &mut World) {}
 
-    /// Whether the step must be repeated before particles merge.
-    fn must_repeat(&self, _: &mut World) -> Result<bool> {
-        Ok(false)
-    }
-
     /// Merges each island of pairs of indices that touch; returns whether any merged.
     fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
         merge_touching(world, touching)
@@ -179,8 +174,9 @@ pub(crate) trait Protocol: Sync {
         Ok(())
     }
 
-    /// Compares what the processes have computed in a step.
-    fn compare(&self, _: &mut World) -> Result<Agreement> {
+    /// Compares what the processes have computed in an attempt at a step, which may have ended early because it
+    /// `meets_sleepers`; if particles merge, in a part, before they do.
+    fn compare(&self, _: &mut World, _meets_sleepers: bool) -> Result<Agreement> {
         Ok(Agreement::Same)
     }
 

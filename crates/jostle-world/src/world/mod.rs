@@ -203,8 +203,6 @@ pub(crate) struct StepScratch {
     pub(crate) candidate_merges: Vec<merge::CandidateMerge>,
     /// Of a distributed one: the particles at the beginning of a part of the step, by indices.
     pub(crate) starts: Particles,
-    /// Whether the processes agree on a part of the step, if that is known.
-    pub(crate) agreement: Option<Agreement>,
     pub(crate) kicks: Vec<Kick>,
     pub(crate) wall_temperatures: WallTemperatures,
     pub(crate) forces: ForceScratch,

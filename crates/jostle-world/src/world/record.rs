@@ -37,7 +37,7 @@ pub struct TouchEvents {
 
 /// What happened in the steps since the record began.
 ///
-/// A step adds to it as it is computed, and [`Record::undo_step`] takes that away again if the step is repeated or
+/// A step adds to it as it is computed, and [`Record::undo`] takes that away again if the step is repeated or
 /// refused. All lists of pairs are of ids, the smaller first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
@@ -161,21 +161,21 @@ impl Record {
         *self = Self { collisions, merged, ..Self::default() };
     }
 
-    /// Begins a step.
-    pub(crate) fn begin_step(&mut self) {
+    /// Begins an attempt at a step.
+    pub(crate) fn begin_attempt(&mut self) {
         self.of_step = Collisions::default();
         // A step only appends pairs, so their number is enough to remove them again.
         self.at_begin.0 = self.during.len();
         self.at_begin.1.clone_from(&self.merged);
     }
 
-    /// Removes what was added since the step began.
-    pub(crate) fn undo_step(&mut self) {
+    /// Removes what the attempt has added.
+    pub(crate) fn undo(&mut self) {
         self.during.truncate(self.at_begin.0);
         self.merged = self.at_begin.1.take();
     }
 
-    /// Makes what the step has added final.
+    /// Ends a step: makes what its last attempt has added final.
     pub(crate) fn end_step(&mut self) {
         let Collisions { pairs, walls } = self.of_step;
         self.collisions.pairs = self.collisions.pairs.saturating_add(pairs);

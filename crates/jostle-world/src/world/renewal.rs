@@ -160,7 +160,7 @@ impl Crowding {
 /// The bounds that replace those with which a step began, after the particles have moved far.
 #[derive(Debug, Default)]
 pub(crate) struct Renewed {
-    /// Whether they do, in this step.
+    /// Whether they do, in this part of the step.
     is_used: bool,
     /// Centres, on the torus, and the copies of the torus in which they are.
     centers: Vec<[f32; 2]>,
@@ -174,8 +174,8 @@ pub(crate) struct Renewed {
 }
 
 impl Renewed {
-    /// Begins a step.
-    pub(crate) fn clear(&mut self) {
+    /// Begins a part of a step.
+    pub(crate) fn begin_part(&mut self) {
         self.is_used = false;
     }
 

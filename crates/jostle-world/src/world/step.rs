@@ -22,7 +22,7 @@ use super::renewal::Horizon;
 use super::reorder::reorder;
 use super::store::{load_motions, store_motions};
 use super::touches::collect_touches;
-use super::undo::{begin, undo};
+use super::undo::{begin_attempt, undo};
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search};
 use crate::events::MAX_COLLISIONS;
 use crate::world::bodies::Bodies;
@@ -88,15 +88,16 @@ impl World {
             // doubles the margin of the halo, until every rank has all particles.
             loop {
                 protocol.gather(world, single)?;
-                begin(world);
-                let outcome = world.step_once(single, watch).and_then(|plan| world.end(&plan, dt));
+                begin_attempt(world);
+                let outcome = world.step_once(single, watch);
+                let outcome = outcome.and_then(|outcome| world.end_attempt(outcome, dt));
                 // An attempt that failed with an error is undone as well.
-                if !matches!(outcome, Ok(Outcome::Complete)) {
+                if !matches!(outcome, Ok(Outcome::Complete(_))) {
                     undo(world);
                     protocol.undo(world);
                 }
                 match outcome? {
-                    Outcome::Complete => return Ok(()),
+                    Outcome::Complete(_) => return Ok(()),
                     Outcome::Disagreement(agreement) => protocol.widen(world, agreement, dt)?,
                     Outcome::MeetsSleepers => {
                         wake_touched(world, wakings == MAX_ATTEMPTS)?;
@@ -128,18 +129,19 @@ impl World {
     }
 
     /// Makes an attempt final, unless it must be repeated. If there is an error, it can be undone.
-    fn end(&mut self, plan: &Plan, dt: f64) -> Result<Outcome> {
-        let agreement = match self.scratch.agreement.take() {
-            Some(known) => known,
-            None => self.halo.protocol().compare(self)?,
+    fn end_attempt(&mut self, outcome: Outcome, dt: f64) -> Result<Outcome> {
+        let meets_sleepers = matches!(outcome, Outcome::MeetsSleepers);
+        let agreement = match outcome {
+            Outcome::Disagreement(known) => known,
+            // Processes have compared it before particles merged, and make no further call.
+            Outcome::Complete(_) if self.settings.on_touch == OnTouch::Merge => Agreement::Same,
+            _ => self.halo.protocol().compare(self, meets_sleepers)?,
         };
         // If ranks contradict each other, the islands that they would touch may be wrong, too.
         if agreement != Agreement::Same {
             return Ok(Outcome::Disagreement(agreement));
         }
-        if self.islands.meets_sleepers {
-            return Ok(Outcome::MeetsSleepers);
-        }
+        let Outcome::Complete(plan) = outcome else { return Ok(outcome) };
         // From here on the attempt counts, unless there is an error.
         apply_andersen(self, dt as f32, plan.threads);
         self.boundaries.end_attempt();
@@ -148,17 +150,17 @@ impl World {
             record_pairs(self, &touching.collect::<Vec<_>>());
         }
         // Falling asleep is the last that may fail. What comes after it cannot be undone.
-        fall_asleep(self, plan, dt)?;
+        fall_asleep(self, &plan, dt)?;
         forget_woken(self);
         self.record.end_step();
         self.halo.protocol().end_step(self);
-        Ok(Outcome::Complete)
+        Ok(outcome)
     }
 
     /// One attempt at a step: forces → bounds → tree → candidate pairs → order of particles → contacts →
     /// sub-steps → store. It has one part, unless particles merge on a torus. It ends early if particles meet
-    /// sleeping ones, and lists these, or if processes do not agree. Returns the plan of its last part.
-    fn step_once(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<Plan> {
+    /// sleeping ones, which it lists in `islands`, or if processes do not agree.
+    fn step_once(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<Outcome> {
         let (parts, substeps) = self.begin_parts(dt)?;
         let dt = dt / parts as f32;
         let mut part = 0;
@@ -180,7 +182,7 @@ impl World {
             interrupt::check()?;
             // As early as possible, because the attempt is undone if this is true.
             if is_near_sleepers(self, dt)? {
-                return Ok(plan);
+                return Ok(Outcome::MeetsSleepers);
             }
             find_candidates(self, &plan)?;
             watch(Stage::Pairs, self);
@@ -202,11 +204,14 @@ impl World {
             self.halo.protocol().end_part(self);
             // Collisions may have carried particles beyond the bounds that were tested before.
             if has_left_bounds_to_sleepers(self)? {
-                return Ok(plan);
+                return Ok(Outcome::MeetsSleepers);
             }
             // Particles must not merge on trajectories that another rank contradicts.
-            if self.settings.on_touch == OnTouch::Merge && self.halo.protocol().must_repeat(self)? {
-                return Ok(plan);
+            if self.settings.on_touch == OnTouch::Merge {
+                let agreement = self.halo.protocol().compare(self, false)?;
+                if agreement != Agreement::Same {
+                    return Ok(Outcome::Disagreement(agreement));
+                }
             }
             // The results of the sub-steps are in `motions` so far; from here on they go to the columns.
             self.boundaries.walls.end_part(f64::from(dt));
@@ -216,7 +221,7 @@ impl World {
             merge(self)?;
             watch(Stage::Store, self);
             if part == parts {
-                return Ok(plan);
+                return Ok(Outcome::Complete(plan));
             }
         }
     }
@@ -224,8 +229,6 @@ impl World {
     /// Begins an attempt: the number of its parts, and the sub-steps of each.
     fn begin_parts(&mut self, dt: f32) -> Result<(usize, usize)> {
         self.scratch.exhausted.clear();
-        self.islands.begin_attempt();
-        self.scratch.agreement = None;
         self.stats = Stats::default();
         let particles = &self.bodies.awake.particles;
         self.scratch.horizon = Horizon::new(self.everywhere(), particles, &self.settings, dt)?;
@@ -307,7 +310,8 @@ fn find_candidates(world: &mut World, plan: &Plan) -> Result<()> {
 
 /// How an attempt at a step ended.
 enum Outcome {
-    Complete,
+    /// With the plan of its last part.
+    Complete(Plan),
     /// It would touch sleeping islands, which are listed.
     MeetsSleepers,
     /// The processes do not agree on it.

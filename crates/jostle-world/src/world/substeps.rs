@@ -89,9 +89,9 @@ impl World {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
         } = self;
-        scratch.grown.begin_step();
-        scratch.renewed.clear();
-        scratch.events.begin_step(particles.len());
+        scratch.grown.begin_part();
+        scratch.renewed.begin_part();
+        scratch.events.begin_part(particles.len());
         scratch.wall_temperatures.fill(self.influences.thermal_walls(), self.time);
         self.boundaries.begin_substeps(plan.may_rest);
         let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
@@ -237,7 +237,7 @@ impl World {
             end: common.flow.duration,
             flow: common.flow,
             kicks: &scratch.kicks,
-            begins_step: substep == 0,
+            begins_part: substep == 0,
             halo: &**halo,
             bounded: substep == 0 && common.plan.is_bounded,
             walls: self.boundaries.around(particles, common.clock(substep)),

@@ -24,8 +24,8 @@ pub(crate) struct Before {
     pub(crate) ids: Option<Ids>,
 }
 
-/// Begins a step.
-pub(crate) fn begin(world: &mut World) {
+/// Begins an attempt at a step, which [`undo`] takes back.
+pub(crate) fn begin_attempt(world: &mut World) {
     // `reorder` writes new columns beside the old ones, so these need no copy. Only what a step
     // changes in place is copied here.
     let before = &mut world.scratch.before;
@@ -34,7 +34,7 @@ pub(crate) fn begin(world: &mut World) {
     world.external.begin_attempt();
     world.boundaries.begin_attempt();
     before.stats = world.stats;
-    world.record.begin_step();
+    world.record.begin_attempt();
     before.ids = None;
     // Callers may set positions outside of the torus. Undo must restore their bits.
     let period = world.settings.container.period();
@@ -49,7 +49,7 @@ pub(crate) fn begin(world: &mut World) {
     }
 }
 
-/// Restores the state at the beginning of the step.
+/// Restores the state before the attempt.
 pub(crate) fn undo(world: &mut World) {
     let before = &mut world.scratch.before;
     // An attempt that ended before it reordered has left the columns as they were.
@@ -71,7 +71,7 @@ pub(crate) fn undo(world: &mut World) {
     world.external.undo();
     world.boundaries.undo();
     world.stats = before.stats;
-    world.record.undo_step();
+    world.record.undo();
     if let Some(ids) = before.ids.take() {
         world.bodies.ids = ids;
     }

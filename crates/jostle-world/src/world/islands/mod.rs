@@ -52,8 +52,6 @@ pub(crate) struct Islands {
     pub(crate) island_of: Vec<u32>,
     /// The sleeping islands that the attempt at a step would touch.
     touched: Vec<u32>,
-    /// Whether there are any, on any process.
-    pub(crate) meets_sleepers: bool,
     join: JoinScratch,
     /// Circles around particles that have left their bounds, and their tree.
     shapes: Shapes<f32>,

@@ -57,7 +57,7 @@ pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
     let Islands { join, touched, .. } = islands;
     asleep.touched(&scratch.tree, radius, settings, (join, touched))?;
     let of_others = halo.touch_others(&scratch.tree, &radius, settings, join)?;
-    islands.note_touched(&**halo, of_others)
+    islands.any_touched(&**halo, of_others)
 }
 
 /// The same at the end of a part of a step, with circles around the particles that have left
@@ -69,14 +69,14 @@ pub(crate) fn has_left_bounds_to_sleepers(world: &mut World) -> Result<bool> {
     let any_outside = find_circles_outside_limits(world)?;
     let World { bodies: Bodies { asleep, .. }, halo, islands, settings, .. } = world;
     if !any_outside {
-        return islands.note_touched(&**halo, false);
+        return islands.any_touched(&**halo, false);
     }
     let Islands { join, touched, tree, .. } = islands;
     // The tree holds the right circles already, so every overlap counts.
     let radius = |_| Some(f32::INFINITY);
     asleep.touched(tree, radius, settings, (join, touched))?;
     let of_others = halo.touch_others(tree, &radius, settings, join)?;
-    islands.note_touched(&**halo, of_others)
+    islands.any_touched(&**halo, of_others)
 }
 
 /// Builds the tree of circles around the particles of this process that have left their bounds; returns
@@ -122,17 +122,10 @@ fn find_circles_outside_limits(world: &mut World) -> Result<bool> {
 }
 
 impl Islands {
-    /// Begins an attempt at a step, which meets no sleeping particle so far.
-    pub(crate) fn begin_attempt(&mut self) {
-        self.meets_sleepers = false;
-    }
-
-    /// Notes whether the attempt would touch any islands of any process: those listed, or some `of_others`.
-    fn note_touched(&mut self, halo: &dyn Halo, of_others: bool) -> Result<bool> {
+    /// Whether the attempt would touch any islands of any process: those listed, or some `of_others`.
+    fn any_touched(&self, halo: &dyn Halo, of_others: bool) -> Result<bool> {
         // All ranks must repeat the attempt, also those that meet no sleeper.
-        let any = of_others || !self.touched.is_empty();
-        self.meets_sleepers = halo.any(any)?;
-        Ok(self.meets_sleepers)
+        halo.any(of_others || !self.touched.is_empty())
     }
 }
 
