@@ -147,7 +147,7 @@ impl Container {
 
     /// Maximum displacement for which the bounds of particles at the beginning of a step are made,
     /// unless they merge; so few images of others are in them.
-    pub fn max_displacement(&self) -> f32 {
+    pub fn max_reach(&self) -> f32 {
         self.period().shortest() / 8.0
     }
 

@@ -49,7 +49,7 @@ pub(super) struct Arguments<'a> {
     pub(super) window: &'a Window<'a>,
     pub(super) neighbors: &'a Neighbors,
     pub(super) course_of: &'a mut [u32],
-    pub(super) max_displacements: &'a [f32],
+    pub(super) reaches: &'a [f32],
     pub(super) stop: &'a Stop,
     pub(super) scratch: &'a mut Scratch,
 }
@@ -92,7 +92,7 @@ impl Block {
             cache::load(&positions[range.clone()]);
             cache::load(&residuals[range.clone()]);
         }
-        cache::load(&arguments.max_displacements[range]);
+        cache::load(&arguments.reaches[range]);
     }
 
     /// Finds the impacts on walls along the first segments; `unsettled` are the discs of the block that
@@ -120,8 +120,7 @@ impl Block {
     /// Simulates the events of the block by itself.
     pub(super) fn simulate(&mut self, arguments: &mut Arguments<'_>) {
         self.is_simulated = true;
-        let Arguments { window, neighbors, course_of, max_displacements, stop, scratch } =
-            arguments;
+        let Arguments { window, neighbors, course_of, reaches, stop, scratch } = arguments;
         let (range, history) = (self.range.clone(), &mut self.history);
         // A block has one simulation in each window, so its courses begin with number 0.
         // Repetitions append to one list, with a mark and a base of their own.
@@ -131,7 +130,7 @@ impl Block {
             neighbors,
             range,
             course_of,
-            max_displacements,
+            reaches,
             history,
             mark,
             base,

@@ -9,9 +9,9 @@ use jostle_base::error::Result;
 
 /// Where discs may be during a step, and how to find others that may be there too.
 pub trait Bounds {
-    /// Distances from their positions at the beginning of the step, or when bounds were renewed,
-    /// within which discs were searched for neighbours.
-    fn max_displacements(&self) -> &[f32];
+    /// How far discs may get from their positions at the beginning of the part, or when bounds were renewed, within
+    /// the bounds in which their neighbours were searched.
+    fn reaches(&self) -> &[f32];
     /// Until when they are made, in seconds since the beginning of the flight.
     fn horizon(&self) -> f64;
     /// Makes bounds around the present places of all discs for some of the `left` seconds, and
@@ -79,10 +79,10 @@ impl Events {
         if self.outside.is_empty() || !(window.flight.pairs || window.flight.senses_all) {
             return Ok(());
         }
-        // Bounds may be larger than limits, and they depend on guesses. So a disc that has left its
+        // Bounds may be larger than watched reaches, and they depend on guesses. So a disc that has left its
         // bounds is a candidate here, and the final trajectories decide.
-        if !window.flight.limits.is_empty() {
-            self.may_be_outside_limits.extend(self.outside.iter().map(|outside| outside.index));
+        if !window.flight.watched_reaches.is_empty() {
+            self.may_be_beyond_reach.extend(self.outside.iter().map(|outside| outside.index));
         }
         self.near.clear();
         bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;
@@ -92,11 +92,11 @@ impl Events {
         Ok(())
     }
 
-    /// Lists the discs that get further than their limits in the window.
-    pub(super) fn find_outside_limits(&mut self, window: &Window<'_>) {
-        let mut listed = std::mem::take(&mut self.may_be_outside_limits);
-        if !window.flight.limits.is_empty() {
-            // Limits may be smaller than bounds. Without events only renewed bounds let a disc get
+    /// Lists the discs that get beyond their watched reaches in the window.
+    pub(super) fn find_beyond_reach(&mut self, window: &Window<'_>) {
+        let mut listed = std::mem::take(&mut self.may_be_beyond_reach);
+        if !window.flight.watched_reaches.is_empty() {
+            // They may be smaller than bounds. Without events only renewed bounds let a disc get
             // further.
             let has_events = |&index: &u32| self.course_of[index as usize] != NONE;
             let all = 0..window.starts.len() as u32;
@@ -113,24 +113,24 @@ impl Events {
             // trajectory alone.
             let squares = squares.map(|part| window.longest_square(anchor, &part.segment));
             let distance = squares.fold(0.0, f64::max).sqrt();
-            if distance > f64::from(window.flight.limits[index as usize]) {
-                self.outside_limits.push((index, distance));
+            if distance > f64::from(window.flight.watched_reaches[index as usize]) {
+                self.beyond_reach.push((index, distance));
             }
         }
-        self.may_be_outside_limits = listed;
+        self.may_be_beyond_reach = listed;
     }
 }
 
 /// Lists the discs whose first segment leaves their bounds.
 pub(super) fn find_outside_at_start(
     window: &Window<'_>,
-    max_displacements: &[f32],
+    reaches: &[f32],
     outside: &mut Vec<Outside>,
 ) {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
     // First in float32: nearly all discs stay in their bounds, and only for the others is the
     // distance computed in float64.
-    let may_leave = |index: u32| window.may_leave(index, max_displacements[index as usize]);
+    let may_leave = |index: u32| window.may_leave(index, reaches[index as usize]);
     let moving = (0..).zip(window.now);
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
@@ -141,7 +141,5 @@ pub(super) fn find_outside_at_start(
         Outside { index, distance, segment }
     });
     outside.clear();
-    outside.extend(
-        all.filter(|disc| disc.distance > f64::from(max_displacements[disc.index as usize])),
-    );
+    outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));
 }

@@ -130,7 +130,7 @@ impl Events {
             neighbors: &self.neighbors,
             range: 0..window.starts.len() as u32,
             course_of: &mut self.course_of,
-            max_displacements: bounds.max_displacements(),
+            reaches: bounds.reaches(),
             history: &mut self.again,
             mark: AGAIN,
             base,

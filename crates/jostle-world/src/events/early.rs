@@ -87,15 +87,9 @@ impl Start {
         (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
     }
 
-    /// False only if it certainly stays within `max_displacement` of `anchor` for `span` seconds, without events.
+    /// False only if it certainly stays within `reach` of `anchor` for `span` seconds, without events.
     #[inline(always)]
-    fn may_leave(
-        &self,
-        anchor: [f32; 2],
-        gravity: [f32; 2],
-        span: f32,
-        max_displacement: f32,
-    ) -> bool {
+    fn may_leave(&self, anchor: [f32; 2], gravity: [f32; 2], span: f32, reach: f32) -> bool {
         let Self { position, velocity, falls, .. } = *self;
         // Twice the fall from rest, which is simpler than the bound for a parabola, and safe.
         let fall = if falls { length(gravity) * span * span } else { 0.0 };
@@ -103,7 +97,7 @@ impl Start {
         let rounding = ROUNDING * (length(position) + length(anchor));
         // The comparison is written so that it is false for NaN, and the disc counts as one that
         // may leave.
-        let stays = far * (1.0 + MARGIN) + rounding <= max_displacement;
+        let stays = far * (1.0 + MARGIN) + rounding <= reach;
         // Also true where numbers overflow.
         !stays
     }
@@ -233,12 +227,12 @@ impl Window<'_> {
 
     /// False only if a disc certainly stays in its bounds along its first segment.
     #[inline(always)]
-    pub fn may_leave(&self, index: u32, max_displacement: f32) -> bool {
+    pub fn may_leave(&self, index: u32, reach: f32) -> bool {
         let own = &self.flight.particles.positions;
         let anchor = self.anchors.unwrap_or(own)[index as usize];
         let gravity = self.flight.gravity.map(|g| g as f32);
         let span = (self.end - self.begin) as f32;
-        self.now[index as usize].may_leave(anchor, gravity, span, max_displacement)
+        self.now[index as usize].may_leave(anchor, gravity, span, reach)
     }
 
     /// Lists the discs of a range that are not settled.

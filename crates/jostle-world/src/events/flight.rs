@@ -104,9 +104,9 @@ pub struct Flight<'a> {
     pub sensed: &'a [([f32; 2], Vec<[u32; 2]>)],
     /// Whether all pairs are of this kind.
     pub senses_all: bool,
-    /// Distances from the positions at the beginning of the step; discs that get further are
+    /// Distances from the positions at the beginning of the part; discs that get beyond them are
     /// listed. Empty if none are to be listed.
-    pub limits: &'a [f32],
+    pub watched_reaches: &'a [f32],
     /// The smallest radius above 0, or less.
     pub smallest_radius: f32,
     /// What is shared with other processes.

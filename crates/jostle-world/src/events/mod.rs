@@ -71,11 +71,11 @@ pub struct Events {
     pub exhausted: Vec<u32>,
     /// Discs whose collisions became elastic in a window, because they had many, once for each window.
     pub collapsed: Vec<u32>,
-    /// Discs that got further than their limits, and how far, once for each window. Unlike the
+    /// Discs that got beyond their watched reaches, and how far, once for each window. Unlike the
     /// growth of bounds they follow from the trajectories alone.
-    pub outside_limits: Vec<(u32, f64)>,
-    /// Discs whose bounds grew: candidates for `outside_limits`.
-    may_be_outside_limits: Vec<u32>,
+    pub beyond_reach: Vec<(u32, f64)>,
+    /// Discs whose bounds grew: candidates for `beyond_reach`.
+    may_be_beyond_reach: Vec<u32>,
     /// The number of events of each disc.
     pub counts: Vec<u32>,
     /// Whether a disc of this process has more than [`MAX_COLLISIONS`] of them.
@@ -257,15 +257,14 @@ impl Events {
             // Bounds grow before the first impacts are searched: these must include all discs that
             // a first segment can reach. In the first window they hold by construction if `bounded`
             // says so.
-            find_outside_at_start(&window, bounds.max_displacements(), &mut self.outside);
+            find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
         self.find_first_impacts_of_later(&window);
         // A window with few first impacts has few conflicts. Blocks would otherwise simulate long
         // histories that a disc of another block makes invalid.
-        let (max_displacements, most) =
-            (bounds.max_displacements(), most_impacts(window.starts.len()));
-        self.each_block(&window, max_displacements, |block, mut arguments| {
+        let (reaches, most) = (bounds.reaches(), most_impacts(window.starts.len()));
+        self.each_block(&window, reaches, |block, mut arguments| {
             block.load_starts(&arguments);
             let Scratch { near, near_walls, unsettled, .. } = &mut *arguments.scratch;
             window.list_unsettled(block.range.clone(), unsettled);
@@ -287,7 +286,7 @@ impl Events {
         let end = self.end_of_window(&window, shortest)?;
         let is_shorter = end < window.end;
         window.end = end;
-        self.each_block(&window, max_displacements, |block, mut arguments| {
+        self.each_block(&window, reaches, |block, mut arguments| {
             if is_shorter {
                 // The courses refer to events after the new end, so none of them is valid.
                 arguments.course_of.fill(NONE);
@@ -301,7 +300,7 @@ impl Events {
         // From here on all blocks have a history. Only after conflicts are resolved are the
         // trajectories correct: what reads them must come later.
         self.resolve_conflicts(&window, bounds)?;
-        self.find_outside_limits(&window);
+        self.find_beyond_reach(&window);
         self.find_sensed(&window);
         self.digest_shared(&window);
         if window.is_last() {
@@ -329,8 +328,8 @@ impl Events {
         self.sensed_near.clear();
         self.exhausted.clear();
         self.collapsed.clear();
-        self.outside_limits.clear();
-        self.may_be_outside_limits.clear();
+        self.beyond_reach.clear();
+        self.may_be_beyond_reach.clear();
         self.digests.clear();
         self.may_meet.clear();
     }
@@ -363,7 +362,7 @@ impl Events {
     fn each_block(
         &mut self,
         window: &Window<'_>,
-        max_displacements: &[f32],
+        reaches: &[f32],
         act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
     ) {
         // `course_of` is divided into one part for each block, so that no two threads can write to
@@ -382,14 +381,7 @@ impl Events {
             let (scratch_of, stop) = (&mut scratch, &stop);
             act(
                 block,
-                Arguments {
-                    window,
-                    neighbors,
-                    course_of,
-                    max_displacements,
-                    stop,
-                    scratch: scratch_of,
-                },
+                Arguments { window, neighbors, course_of, reaches, stop, scratch: scratch_of },
             );
             locked(pool).push(scratch);
         });

@@ -86,7 +86,7 @@ pub struct Simulation<'a> {
     /// simulation take no part.
     pub course_of: &'a mut [u32],
     /// How far each disc was searched for neighbours.
-    pub max_displacements: &'a [f32],
+    pub reaches: &'a [f32],
     /// Where the courses go.
     pub history: &'a mut History,
     /// Added to the numbers of the courses of the history.
@@ -638,11 +638,11 @@ impl Simulation<'_> {
         let History { courses, outside, .. } = &mut *self.history;
         let course = &courses[number as usize];
         let square = window.longest_square(window.anchor(course.index), &course.segment);
-        let max_displacement = f64::from(self.max_displacements[course.index as usize]);
+        let reach = f64::from(self.reaches[course.index as usize]);
         // The neighbours of a disc are complete only within its bounds. The simulation goes on as
         // if they were complete. Afterwards the bounds grow, and the new neighbours are tested as
         // conflicts.
-        if square > max_displacement * max_displacement {
+        if square > reach * reach {
             let Course { index, segment, .. } = *course;
             outside.push(Outside { index, distance: square.sqrt(), segment });
         }

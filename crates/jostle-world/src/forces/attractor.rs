@@ -1,7 +1,7 @@
 //! Attractors: a central force towards a point or a particle.
 
 use super::record::{Found, Record, Renamed, record, refers_to_nothing};
-use super::{Bodies, Force, Reach, Scratch, check_number, check_pair};
+use super::{Bodies, Force, Partners, Scratch, check_number, check_pair};
 use crate::particles::FARTHEST;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -110,8 +110,8 @@ impl Force for Attractor {
         (0..bodies.positions.len()).filter(is_moved).map(energy_of).sum()
     }
 
-    fn reach(&self) -> Reach {
-        Reach::All
+    fn partners(&self) -> Partners {
+        Partners::All
     }
 }
 

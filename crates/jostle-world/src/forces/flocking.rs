@@ -5,7 +5,7 @@
 use super::neighbors::{Found, Law, Own, total};
 use super::pair::check_cutoff;
 use super::record::record;
-use super::{Bodies, Force, Reach, Scratch, check_number};
+use super::{Bodies, Force, Partners, Scratch, check_number};
 use crate::particles::MAX_KINDS;
 use jostle_base::error::Result;
 use jostle_simd::{LANES, Simd, block};
@@ -74,8 +74,8 @@ impl Force for Flocking {
         0.0
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Neighbors { cutoff: self.cutoff, kinds: MAX_KINDS }
+    fn partners(&self) -> Partners {
+        Partners::Neighbors { cutoff: self.cutoff, kinds: MAX_KINDS }
     }
 }
 

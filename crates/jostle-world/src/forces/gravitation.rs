@@ -18,7 +18,7 @@ use std::sync::Mutex;
 
 use super::record::record;
 use super::sorted::Sorted;
-use super::{Bodies, Force, Reach, check_number};
+use super::{Bodies, Force, Partners, check_number};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Stop;
@@ -146,8 +146,8 @@ impl Force for Gravitation {
         -0.5 * f64::from(self.g) * parts.iter().sum::<f64>()
     }
 
-    fn reach(&self) -> Reach {
-        Reach::All
+    fn partners(&self) -> Partners {
+        Partners::All
     }
 }
 

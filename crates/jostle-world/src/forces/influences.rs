@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use super::record::{Found, Record, Reference, Renamed};
 use super::{
-    Andersen, Attractor, Bodies, Flocking, Force, Gravitation, Motor, PairForce, Reach, Scratch,
+    Andersen, Attractor, Bodies, Flocking, Force, Gravitation, Motor, PairForce, Partners, Scratch,
     Springs, ThermalWalls, Thermostat, bounded,
 };
 use crate::container::Container;
@@ -181,12 +181,12 @@ impl Influences {
 
     /// Whether all forces are forces between neighbours.
     pub fn are_short_ranged(&self) -> bool {
-        self.forces().all(|force| force.reach() != Reach::All)
+        self.forces().all(|force| force.partners() != Partners::All)
     }
 
     /// The largest cutoff of forces between neighbours; 0 without any.
     pub fn largest_cutoff(&self) -> f32 {
-        self.forces().filter_map(|force| force.reach().cutoff()).fold(0.0, f32::max)
+        self.forces().filter_map(|force| force.partners().cutoff()).fold(0.0, f32::max)
     }
 
     /// Whether any force or spring refers to particles, whose rows are then needed in the sub-steps. Motors only
@@ -222,7 +222,7 @@ impl Influences {
         accelerations.clear();
         accelerations.resize(bodies.positions.len(), [0.0; 2]);
         // Sorted once for all forces between neighbours.
-        if self.forces().any(|force| force.reach() != Reach::All) {
+        if self.forces().any(|force| force.partners() != Partners::All) {
             scratch.neighbors.sort(bodies);
         }
         self.forces().for_each(|force| force.accelerate(bodies, scratch, accelerations));
@@ -278,9 +278,9 @@ impl Influences {
 
     /// Refuses kinds of particles that the table of a force does not have.
     pub fn check_kinds(&self, kinds: &[u8]) -> Result<()> {
-        self.forces().try_for_each(|force| match force.reach() {
-            Reach::All => Ok(()),
-            Reach::Neighbors { kinds: count, .. } => check_kinds_of_table(kinds, count),
+        self.forces().try_for_each(|force| match force.partners() {
+            Partners::All => Ok(()),
+            Partners::Neighbors { kinds: count, .. } => check_kinds_of_table(kinds, count),
         })
     }
 
@@ -291,7 +291,7 @@ impl Influences {
         let most = 0.5 * width.min(height);
         for (index, influence) in self.list.iter().enumerate() {
             if let Role::Force(force) = influence.role()
-                && let Some(cutoff) = force.reach().cutoff().filter(|&cutoff| cutoff > most)
+                && let Some(cutoff) = force.partners().cutoff().filter(|&cutoff| cutoff > most)
             {
                 let value = format!("a force with the cutoff {cutoff}");
                 let rule = format!("on Torus({width}, {height}) a cutoff is at most {most}");

@@ -53,12 +53,12 @@ pub trait Force: Debug + Record {
     fn energy(&self, bodies: &Bodies<'_>) -> f64;
 
     /// On which particles it acts.
-    fn reach(&self) -> Reach;
+    fn partners(&self) -> Partners;
 }
 
 /// The particles on which a force acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reach {
+pub enum Partners {
     /// All.
     All,
     /// Those with a neighbour, if their kinds are below a number.
@@ -70,7 +70,7 @@ pub enum Reach {
     },
 }
 
-impl Reach {
+impl Partners {
     /// The distance from which on there is no force, if there is one.
     pub fn cutoff(self) -> Option<f32> {
         match self {

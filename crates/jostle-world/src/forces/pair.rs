@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
 use super::record::{record, refers_to_nothing};
-use super::{Bodies, Force, Reach, Scratch, check_number};
+use super::{Bodies, Force, Partners, Scratch, check_number};
 use crate::particles::{FARTHEST, MAX_KINDS};
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::{Error, Result, counted};
@@ -262,8 +262,8 @@ impl Force for PairForce {
         })
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Neighbors { cutoff: self.table.cutoff, kinds: self.table.kinds }
+    fn partners(&self) -> Partners {
+        Partners::Neighbors { cutoff: self.table.cutoff, kinds: self.table.kinds }
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Announced {
     /// Its position at the beginning of the step.
     pub(crate) position: [f32; 2],
     /// How far it may get from there.
-    pub(crate) distance: f32,
+    pub(crate) reach: f32,
 }
 
 /// Particles that get further than announced are announced this much further.
@@ -93,8 +93,8 @@ pub(crate) struct Domain {
     pub(crate) foreign: Asleep,
     /// The names of those of their islands that the step would touch.
     pub(crate) touched: Vec<Id>,
-    /// How far the particle at each index may get before it leaves its circle.
-    pub(crate) left: Vec<f32>,
+    /// The reach of the particle at each index in its circle, from where it is when a part begins.
+    pub(crate) announced_reaches: Vec<f32>,
     pub(crate) is_lossless: bool,
     pub(crate) has_friction: bool,
     /// Quantiles of the coordinates of all ranks along each axis.
@@ -378,19 +378,19 @@ impl Domain {
         container: &Container,
         scratch: &mut StepScratch,
     ) {
-        let StepScratch { limits, max_displacements, .. } = scratch;
-        self.left.clear();
+        let StepScratch { watched_reaches, reaches, .. } = scratch;
+        self.announced_reaches.clear();
         if self.ranks < 2 {
             return;
         }
-        // Where nothing sleeps there are no limits yet, and an infinite one forbids nothing.
-        limits.resize(rows.len(), f32::INFINITY);
-        let all = rows.iter().zip(&particles.positions).zip(&*max_displacements).zip(limits);
-        for (((&row, position), &max_displacement), limit) in all {
+        // Where nothing sleeps there are none yet, and nothing gets beyond an infinite one.
+        watched_reaches.resize(rows.len(), f32::INFINITY);
+        let all = rows.iter().zip(&particles.positions).zip(&*reaches).zip(watched_reaches);
+        for (((&row, position), &reach), limit) in all {
             // Ghosts have no circle here: their own rank watches them.
             let Some(of) = self.announced.get(row as usize) else {
                 *limit = f32::INFINITY;
-                self.left.push(f32::INFINITY);
+                self.announced_reaches.push(f32::INFINITY);
                 continue;
             };
             // In later parts of a step the particle is no longer where it was announced. The factor
@@ -402,13 +402,13 @@ impl Domain {
                 let [x, y] = container.period().exact().minimum_image(offset);
                 ((x * x + y * y).sqrt() * 1.000_01) as f32
             };
-            let left = of.distance - moved;
+            let left = of.reach - moved;
             // Bounds beyond the announced circle may overlap particles that this rank does not
             // have. The step is repeated with a wider circle.
-            if left < max_displacement {
-                self.far.push((row, moved + max_displacement));
+            if left < reach {
+                self.far.push((row, moved + reach));
             }
-            self.left.push(left);
+            self.announced_reaches.push(left);
             *limit = left.min(*limit);
         }
     }

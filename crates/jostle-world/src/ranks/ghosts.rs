@@ -132,7 +132,7 @@ fn exchange_within(world: &mut World, distances: &[f32]) -> Result<()> {
     is_sent.clear();
     is_sent.resize(*own, false);
     for ((&row, &position), &distance) in rows.iter().zip(&particles.positions).zip(distances) {
-        announced[row as usize] = Announced { position, distance };
+        announced[row as usize] = Announced { position, reach: distance };
     }
     let circle = |index: usize| {
         let center = settings.container.period().wrap(particles.positions[index]);

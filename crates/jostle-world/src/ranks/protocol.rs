@@ -270,16 +270,16 @@ pub(super) fn digest_shared(world: &mut World) {
     }
     // Two ways to get too far: in a history of collisions, and by the motion as a whole, which
     // contains position correction.
-    for &(index, distance) in &events.outside_limits {
-        let left = domain.left.get(index as usize).copied().unwrap_or(f32::INFINITY);
-        if distance > f64::from(left) {
+    for &(index, distance) in &events.beyond_reach {
+        let reach = domain.announced_reaches.get(index as usize).copied();
+        if distance > f64::from(reach.unwrap_or(f32::INFINITY)) {
             domain.far.push((rows[index as usize], distance as f32));
         }
     }
-    for (index, &limit) in domain.left.iter().enumerate() {
+    for (index, &reach) in domain.announced_reaches.iter().enumerate() {
         let ([x, y], [u, v]) = (scratch.motions.position(index as u32), particles.positions[index]);
         let square = (x - u) * (x - u) + (y - v) * (y - v);
-        if square > limit * limit {
+        if square > reach * reach {
             domain.far.push((rows[index], square.sqrt()));
         }
     }
@@ -320,7 +320,7 @@ pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
         let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
         let [x, y] = settings.container.period().exact().minimum_image(offset);
         let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
-        if distance > of.distance {
+        if distance > of.reach {
             domain.far.push((row, distance));
         }
     }

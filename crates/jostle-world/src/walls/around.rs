@@ -91,7 +91,7 @@ impl Around<'_> {
         let (at, near) = (index as usize, self.near);
         let ([x, y], [p, q]) = (path.position, self.particles.positions[at]);
         let square = (x - p) * (x - p) + (y - q) * (y - q);
-        let clearance = near.max_displacements[at] - far;
+        let clearance = near.reaches[at] - far;
         // The list of walls is complete only within the bounds in which it was searched.
         if clearance < 0.0 || square > clearance * clearance {
             return [true; 2];
@@ -140,7 +140,7 @@ impl Around<'_> {
         // The farthest corner of the box from where the disc was when walls were searched.
         let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
         // The circles of the bounds and the boxes of the walls have a reserve for rounding.
-        if dot(far, far).sqrt() + extent <= f64::from(self.near.max_displacements[at]) {
+        if dot(far, far).sqrt() + extent <= f64::from(self.near.reaches[at]) {
             self.near.each(index, act);
         } else {
             let margin = (radius + extent) * (1.0 + MARGIN);
@@ -207,7 +207,7 @@ impl Around<'_> {
         let at = index as usize;
         let anchor = exact(self.particles.positions[at], self.particles.residuals[at]);
         let offset = less(position, anchor);
-        dot(offset, offset).sqrt() + longest <= f64::from(self.near.max_displacements[at])
+        dot(offset, offset).sqrt() + longest <= f64::from(self.near.reaches[at])
     }
 
     /// A segment relative to a wall with an offset.

@@ -31,7 +31,7 @@ pub struct Near {
     offsets: Vec<Vector>,
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched.
-    pub(super) max_displacements: Vec<f32>,
+    pub(super) reaches: Vec<f32>,
     /// Displacements up to which discs certainly touch no wall; at most these distances.
     pub(super) free: Vec<f32>,
     /// Walls and discs that were found, and the same sorted by discs.
@@ -48,7 +48,7 @@ impl Near {
         &mut self,
         walls: &Walls,
         bounds: &Quadtree<f32>,
-        (max_displacements, usual): (&[f32], f32),
+        (reaches, usual): (&[f32], f32),
         method: Method,
         most: usize,
     ) -> Result<()> {
@@ -93,17 +93,17 @@ impl Near {
         }
         // Walls were searched in larger bounds than pairs, so discs may go farther before a new
         // search.
-        self.max_displacements.clear();
-        self.max_displacements.extend(max_displacements.iter().map(|most| most + usual));
+        self.reaches.clear();
+        self.reaches.extend(reaches.iter().map(|most| most + usual));
         self.free.clear();
-        self.free.extend_from_slice(&self.max_displacements);
-        self.arrange(walls, bounds, max_displacements);
+        self.free.extend_from_slice(&self.reaches);
+        self.arrange(walls, bounds, reaches);
         Ok(())
     }
 
     /// Sorts the walls that were found by discs, and computes the displacements up to which these
     /// touch none.
-    fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, max_displacements: &[f32]) {
+    fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, reaches: &[f32]) {
         let Self { starts, walls: near, offsets, free, found, sorted, .. } = self;
         starts.resize(bounds.len() + 1, 0);
         sorted.resize(found.len(), [0; 2]);
@@ -122,8 +122,7 @@ impl Near {
             let Columns { x, y, radius, .. } = bounds.columns();
             let center = [x[at], y[at]].map(f64::from);
             // The radius of the disc, with the reserve of the circle for rounding.
-            let radius =
-                line.contact_distance(f64::from(radius[at]) - f64::from(max_displacements[at]));
+            let radius = line.contact_distance(f64::from(radius[at]) - f64::from(reaches[at]));
             let distance = line.distance(less(center, walls.offset_at(wall)));
             // The wall may come as near as it moves in the step, wherever the disc goes.
             let left = distance - radius * (1.0 + MARGIN) - line.displacement_length;

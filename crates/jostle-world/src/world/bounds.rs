@@ -37,7 +37,7 @@ const MAX_NEW: usize = MAX_CANDIDATES / 8;
 const MAX_TESTS: usize = 1 << 24;
 const MAX_TESTS_OF_EACH: usize = 1 << 12;
 
-/// Displacements, in units of [`Container::max_displacement`], up to which one circle is made. It and a particle
+/// Displacements, in units of [`Container::max_reach`], up to which one circle is made. It and a particle
 /// together are at most half as large as the torus.
 /// Times [`GROWTH`] and an eighth of the shorter side this is a quarter of the side, and a radius
 /// is at most another quarter.
@@ -58,18 +58,18 @@ const GROWTH: f64 = 1.25;
 /// events.
 pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
     let Plan { may_rest, threads, horizon: dt, .. } = *plan;
-    let super::StepScratch { max_displacements, forces, horizon, shapes, .. } = &mut world.scratch;
+    let super::StepScratch { reaches, forces, horizon, shapes, .. } = &mut world.scratch;
     let (particles, settings) = (&world.bodies.awake.particles, &world.settings);
     // A collision may make a slow particle faster. So each movable particle gets at least the
     // usual displacement, and few leave their bounds, which would cost a search for each.
-    let usual = (horizon.usual_speed * dt).min(settings.container.max_displacement());
+    let usual = (horizon.usual_speed * dt).min(settings.container.max_reach());
     let accelerations = &forces.accelerations;
     let fall = distance_of_fall(settings.gravity, dt);
     let free = FreeDisplacements::new(settings, forces, plan.dt);
     // Particles that merge are not searched again, so their bounds contain the estimated
     // displacements by springs.
     let is_merging = settings.on_touch == OnTouch::Merge;
-    let by_springs = if is_merging { &forces.max_displacements[..] } else { &[] };
+    let by_springs = if is_merging { &forces.spring_displacements[..] } else { &[] };
     let is_pulled = !(accelerations.is_empty() && by_springs.is_empty());
     let pulled = |index: usize| {
         force_displacement(accelerations.get(index), by_springs.get(index), dt).unwrap_or(0.0)
@@ -77,7 +77,7 @@ pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
     // On a torus, bounds are cut so that few images of other particles are in them: `grow`
     // finds more when a particle gets there. The candidates of particles that merge are
     // searched once, so their bounds are not cut.
-    let longest = if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
+    let longest = if is_merging { f32::INFINITY } else { settings.container.max_reach() };
     let len = particles.len();
     let columns = shapes.columns_mut();
     columns.centers.clone_from(&particles.positions);
@@ -85,51 +85,42 @@ pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
     fill_filters(particles.filters.iter().copied(), columns.filters);
     let radii = columns.radii.rows_mut();
     radii.resize(len, 0.0);
-    max_displacements.resize(len, 0.0);
+    reaches.resize(len, 0.0);
     // If an own displacement is cut, its particle may leave the bounds without any event. Then
     // the first flight must test where particles get.
     let is_cut = AtomicBool::new(false);
     let sides = torus_sides(&settings.container);
-    parallel::for_chunks_of_two(
-        threads,
-        max_displacements,
-        radii,
-        |first, max_displacements, radii| {
-            let bounds = max_displacements.iter_mut().zip(&mut *radii);
-            let columns = particles.velocities[first..].iter().zip(&particles.positions[first..]);
-            let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
-            let mut any_cut = false;
-            let all = bounds.zip(columns).zip(own).zip(first..);
-            for (
-                (((max_displacement, radius), (&velocity, &center)), (&own_radius, &is_movable)),
-                index,
-            ) in all
-            {
-                let own = distance_at(velocity, dt);
-                let mut by_forces = fall;
-                if is_pulled {
-                    by_forces += pulled(index);
-                }
-                // Nothing but its own velocity moves an immovable particle.
-                let (least, by_forces) = if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
-                *max_displacement = (own.max(least) + by_forces).min(longest);
-                any_cut |= *max_displacement < own + by_forces;
-                *radius = own_radius + *max_displacement + rounding_of(center, own_radius, sides);
+    parallel::for_chunks_of_two(threads, reaches, radii, |first, reaches, radii| {
+        let bounds = reaches.iter_mut().zip(&mut *radii);
+        let columns = particles.velocities[first..].iter().zip(&particles.positions[first..]);
+        let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
+        let mut any_cut = false;
+        let all = bounds.zip(columns).zip(own).zip(first..);
+        for ((((reach, radius), (&velocity, &center)), (&own_radius, &is_movable)), index) in all {
+            let own = distance_at(velocity, dt);
+            let mut by_forces = fall;
+            if is_pulled {
+                by_forces += pulled(index);
             }
-            // The value is read after all threads have joined, so no order of memory is needed.
-            if any_cut {
-                is_cut.store(true, Ordering::Relaxed);
-            }
-            // Contacts are made of pairs that come near each other by themselves. Candidates
-            // must contain these pairs. Otherwise the size of the bounds would decide which
-            // contacts there are.
-            if !may_rest {
-                return;
-            }
-            let bounds = max_displacements.iter_mut().zip(radii).zip(first..);
-            contain_contacts(particles, &free, bounds);
-        },
-    );
+            // Nothing but its own velocity moves an immovable particle.
+            let (least, by_forces) = if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
+            *reach = (own.max(least) + by_forces).min(longest);
+            any_cut |= *reach < own + by_forces;
+            *radius = own_radius + *reach + rounding_of(center, own_radius, sides);
+        }
+        // The value is read after all threads have joined, so no order of memory is needed.
+        if any_cut {
+            is_cut.store(true, Ordering::Relaxed);
+        }
+        // Contacts are made of pairs that come near each other by themselves. Candidates
+        // must contain these pairs. Otherwise the size of the bounds would decide which
+        // contacts there are.
+        if !may_rest {
+            return;
+        }
+        let bounds = reaches.iter_mut().zip(radii).zip(first..);
+        contain_contacts(particles, &free, bounds);
+    });
     !is_cut.into_inner()
 }
 
@@ -145,7 +136,7 @@ impl<'a> FreeDisplacements<'a> {
     /// Those of a step of `dt` seconds.
     pub(crate) fn new(settings: &WorldSettings, forces: &'a ForceScratch, dt: f32) -> Self {
         let fall = distance_of_fall(settings.gravity, dt);
-        let longest = settings.container.max_displacement();
+        let longest = settings.container.max_reach();
         Self { accelerations: &forces.accelerations, fall, longest, dt }
     }
 
@@ -171,11 +162,11 @@ fn contain_contacts<'a>(
     free: &FreeDisplacements<'_>,
     bounds: impl Iterator<Item = ((&'a mut f32, &'a mut f32), usize)>,
 ) {
-    for ((max_displacement, radius), index) in bounds {
+    for ((reach, radius), index) in bounds {
         let own_radius = particles.radii[index];
-        let least = reach(free.of(particles, index), own_radius) + RESERVE * own_radius;
-        *radius += (least - *max_displacement).max(0.0);
-        *max_displacement = max_displacement.max(least);
+        let least = rest_distance(free.of(particles, index), own_radius) + RESERVE * own_radius;
+        *radius += (least - *reach).max(0.0);
+        *reach = reach.max(least);
     }
 }
 
@@ -194,7 +185,7 @@ pub(crate) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
 /// How far from its surface at the beginning of a step a particle may rest on another: its free
 /// displacement, but at most its radius, and a share of its radius for surfaces that nearly touch.
 #[inline(always)]
-pub(crate) fn reach(free: f32, radius: f32) -> f32 {
+pub(crate) fn rest_distance(free: f32, radius: f32) -> f32 {
     // Without the limit by the radius a fast particle would have a contact with each on its way.
     free.min(radius) + SLACK * radius
 }
@@ -260,7 +251,7 @@ impl Grown {
 pub(crate) struct BoundsScratch<'a> {
     /// The tree of those with which it began.
     pub(crate) tree: &'a Quadtree<f32>,
-    pub(crate) max_displacements: &'a mut [f32],
+    pub(crate) reaches: &'a mut [f32],
     pub(crate) grown: &'a mut Grown,
     pub(crate) renewed: &'a mut Renewed,
     pub(crate) crowding: Crowding,
@@ -270,7 +261,7 @@ pub(crate) struct BoundsScratch<'a> {
 pub(crate) struct StepBounds<'a> {
     tree: &'a Quadtree<f32>,
     particles: &'a Particles,
-    max_displacements: &'a mut [f32],
+    reaches: &'a mut [f32],
     grown: &'a mut Grown,
     renewed: &'a mut Renewed,
     settings: &'a WorldSettings,
@@ -292,7 +283,7 @@ impl<'a> StepBounds<'a> {
         share: Option<f64>,
         duration: f64,
     ) -> Self {
-        let BoundsScratch { tree, max_displacements, grown, renewed, crowding } = scratch;
+        let BoundsScratch { tree, reaches, grown, renewed, crowding } = scratch;
         let container = settings.container;
         let area = container.area().unwrap_or(f64::INFINITY);
         let spacing = (area / particles.len() as f64).sqrt() as f32;
@@ -300,7 +291,7 @@ impl<'a> StepBounds<'a> {
         Self {
             tree,
             particles,
-            max_displacements,
+            reaches,
             grown,
             renewed,
             settings,
@@ -316,20 +307,20 @@ impl<'a> StepBounds<'a> {
         let Outside { index, distance, .. } = *outside;
         // One circle for a long path would contain most of the torus, and images of itself. A chain
         // of small circles follows the path instead.
-        if distance > ONE_CIRCLE * f64::from(self.container.max_displacement()) {
+        if distance > ONE_CIRCLE * f64::from(self.container.max_reach()) {
             return self.cover_by_chain(outside, gravity, end);
         }
-        let max_displacement = &mut self.max_displacements[index as usize];
+        let reach = &mut self.reaches[index as usize];
         // Another of its segments may have made them large enough.
-        if distance > f64::from(*max_displacement) {
-            *max_displacement = (distance * GROWTH) as f32;
+        if distance > f64::from(*reach) {
+            *reach = (distance * GROWTH) as f32;
             // Bounds grow around their present centre: that of the last renewal, or of the
             // beginning of the step.
             let at = index as usize;
             let of_step = || (self.particles.positions[at], [0; 2]);
             let (center, tile) = self.renewed.center(at).unwrap_or_else(of_step);
             let radius = self.particles.radii[at]
-                + *max_displacement
+                + *reach
                 + rounding(center, self.particles.radii[at], &self.container);
             let times = [0.0, f64::INFINITY];
             self.grown.circles.push(Circle { index, center, radius, tile, times });
@@ -354,10 +345,8 @@ impl<'a> StepBounds<'a> {
         });
         let displacement = speeds[0].max(speeds[1]) * (end - time);
         // Circles about as large as the distances between particles find few of them.
-        let size = self
-            .container
-            .max_displacement()
-            .min(self.spacing.max(self.particles.radii[index as usize]));
+        let size =
+            self.container.max_reach().min(self.spacing.max(self.particles.radii[index as usize]));
         let count = (displacement / f64::from(size)).ceil().max(1.0);
         if count > MAX_CIRCLES {
             return Err(Error::TooManyCandidates { limit: MAX_NEW });
@@ -397,8 +386,8 @@ impl<'a> StepBounds<'a> {
 }
 
 impl Bounds for StepBounds<'_> {
-    fn max_displacements(&self) -> &[f32] {
-        self.max_displacements
+    fn reaches(&self) -> &[f32] {
+        self.reaches
     }
 
     fn horizon(&self) -> f64 {
@@ -407,11 +396,11 @@ impl Bounds for StepBounds<'_> {
 
     fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64> {
         let (seconds, usual_speed) = self.crowding.horizon(now, left);
-        let Self { particles, settings, max_displacements, grown, renewed, .. } = self;
+        let Self { particles, settings, reaches, grown, renewed, .. } = self;
         // The circles that have grown enlarge the old bounds.
         grown.circles.clear();
         let allowed = (seconds as f32, usual_speed);
-        renewed.rebuild(now, allowed, (particles, settings), max_displacements)?;
+        renewed.rebuild(now, allowed, (particles, settings), reaches)?;
         renewed.list(particles, settings, to)?;
         Ok(seconds)
     }

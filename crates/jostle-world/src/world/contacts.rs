@@ -3,7 +3,7 @@
 
 use std::cell::Cell;
 
-use super::bounds::{FreeDisplacements, reach};
+use super::bounds::{FreeDisplacements, rest_distance};
 use super::plan::Plan;
 use super::refinement::own_refinement;
 use super::search::Lists;
@@ -48,7 +48,7 @@ impl World {
         } = self;
         let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
-        let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
+        let StepScratch { overlaps, overlap_parts, rest_distances, forces, .. } = scratch;
         let to = (&mut *overlaps, overlap_parts);
         // Which pairs become contacts must follow from the state of the two. Candidate pairs are
         // more where bounds are larger, and bounds depend on the speeds of all particles. If all
@@ -56,11 +56,13 @@ impl World {
         // them the order of solving and the bits of a pile.
         if plan.may_rest {
             let free = FreeDisplacements::new(settings, forces, plan.dt);
-            reaches.clear();
+            rest_distances.clear();
             let all = particles.radii.iter().enumerate();
-            reaches.extend(all.map(|(index, &radius)| reach(free.of(particles, index), radius)));
-            let reaches = &reaches[..];
-            let is_near = |pair, image| is_near(particles, reaches, pair, image);
+            rest_distances.extend(
+                all.map(|(index, &radius)| rest_distance(free.of(particles, index), radius)),
+            );
+            let rest_distances = &rest_distances[..];
+            let is_near = |pair, image| is_near(particles, rest_distances, pair, image);
             find_pairs(pairs, to, threads, is_near);
             if is_mixed {
                 self.leave_out_elastic()?;
@@ -209,11 +211,16 @@ fn find_pairs(
 
 /// Whether two particles may come near each other by themselves, the second moved by `image`.
 #[inline(always)]
-fn is_near(particles: &Particles, reaches: &[f32], [a, b]: [u32; 2], image: [f32; 2]) -> bool {
+fn is_near(
+    particles: &Particles,
+    rest_distances: &[f32],
+    [a, b]: [u32; 2],
+    image: [f32; 2],
+) -> bool {
     let [a, b] = [a, b].map(|index| index as usize);
     let (p, q) = (particles.positions[a], particles.positions[b]);
     let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
-    let limit = (particles.radii[a] + particles.radii[b]) + (reaches[a] + reaches[b]);
+    let limit = (particles.radii[a] + particles.radii[b]) + (rest_distances[a] + rest_distances[b]);
     x * x + y * y < limit * limit
 }
 

@@ -66,6 +66,6 @@ pub(crate) fn parts(world: &World, dt: f32) -> Result<usize> {
     // The longest of all ranks, because all must make the same number of parts.
     let own = longest_displacement(&world.bodies.awake.particles, &world.settings, dt);
     let [longest] = world.halo().largest([f64::from(own)])?;
-    let parts = longest as f32 / world.settings.container.max_displacement();
+    let parts = longest as f32 / world.settings.container.max_reach();
     Ok(parts.ceil().max(1.0) as usize)
 }

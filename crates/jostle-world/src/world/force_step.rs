@@ -29,7 +29,7 @@ pub(crate) struct ForceScratch {
     pub(crate) accelerations: Vec<[f32; 2]>,
     pub(crate) old_accelerations: Vec<[f32; 2]>,
     /// Estimated displacements by springs; empty if there are none.
-    pub(crate) max_displacements: Vec<f32>,
+    pub(crate) spring_displacements: Vec<f32>,
     /// Islands of particles connected by springs.
     pub(crate) groups: DisjointSets,
     pub(crate) sprung: SpringSolver,
@@ -69,7 +69,7 @@ impl World {
         let settings = &self.settings;
         let scratch = &mut self.scratch.forces;
         scratch.accelerations.clear();
-        scratch.max_displacements.clear();
+        scratch.spring_displacements.clear();
         scratch.are_springs_stiff = false;
         if self.influences.is_empty() && !self.external.act() {
             return Ok(());
@@ -95,10 +95,10 @@ impl World {
             self.accelerate(h)?;
         }
         estimate_springs(self, dt, substeps);
-        let ForceScratch { accelerations, max_displacements, .. } = &self.scratch.forces;
+        let ForceScratch { accelerations, spring_displacements, .. } = &self.scratch.forces;
         let particles = &self.bodies.awake.particles;
         let displacement = |index: usize| {
-            force_displacement(accelerations.get(index), max_displacements.get(index), dt)
+            force_displacement(accelerations.get(index), spring_displacements.get(index), dt)
         };
         // A particle must not leave the range of coordinates. This is refused before anything has
         // moved.
@@ -147,7 +147,7 @@ fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
         ..
     } = world;
     let h = f64::from(dt) / substeps as f64;
-    let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
+    let ForceScratch { indices, groups, spring_displacements, sums, are_springs_stiff, .. } =
         &mut scratch.forces;
     let all = awake_springs(influences, indices);
     if all.clone().next().is_none() {
@@ -157,7 +157,14 @@ fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
     *are_springs_stiff =
         forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums);
     let velocities = &particles.velocities;
-    forces::springs::max_displacements(all, &bodies, velocities, dt, groups, max_displacements);
+    forces::springs::estimate_displacements(
+        all,
+        &bodies,
+        velocities,
+        dt,
+        groups,
+        spring_displacements,
+    );
 }
 
 /// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds.
@@ -254,13 +261,13 @@ fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
 /// Estimated displacement by forces in `dt` seconds, beside that of the velocity.
 pub(crate) fn force_displacement(
     acceleration: Option<&[f32; 2]>,
-    max_displacement: Option<&f32>,
+    by_springs: Option<&f32>,
     dt: f32,
 ) -> Option<f32> {
     // The displacement is ½ |a| dt², and |a| is at most √2 times its larger component. So this is
     // an upper bound of it.
     let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
-    match (pulled, max_displacement) {
+    match (pulled, by_springs) {
         (None, None) => None,
         (a, b) => Some(a.unwrap_or(0.0) + b.copied().unwrap_or(0.0)),
     }

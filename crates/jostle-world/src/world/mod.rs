@@ -166,12 +166,12 @@ pub struct World {
 /// Scratch of a step.
 #[derive(Debug, Default)]
 pub(crate) struct StepScratch {
-    /// Largest displacements that stay in the bounds.
-    pub(crate) max_displacements: Vec<f32>,
-    pub(crate) old_max_displacements: Vec<f32>,
-    /// Largest displacements with which a part of the step begins; empty if no particle sleeps and there
-    /// are no other processes.
-    pub(crate) limits: Vec<f32>,
+    /// How far each particle may get from where a part begins before it leaves its bounds.
+    pub(crate) reaches: Vec<f32>,
+    pub(crate) old_reaches: Vec<f32>,
+    /// Smaller ones: a particle beyond its own may touch a sleeping island, or leave the circle that other processes
+    /// know. Empty if there are neither.
+    pub(crate) watched_reaches: Vec<f32>,
     pub(crate) grown: bounds::Grown,
     /// Rows that were exhausted in the step.
     pub(crate) exhausted: Vec<u32>,
@@ -193,7 +193,7 @@ pub(crate) struct StepScratch {
     pub(crate) overlaps: search::Lists,
     pub(crate) overlap_parts: Vec<Vec<[u32; 2]>>,
     /// How far from its surface each particle may rest in the step.
-    pub(crate) reaches: Vec<f32>,
+    pub(crate) rest_distances: Vec<f32>,
     /// Which particles lose energy, or may touch one that does, of a world in which some do and
     /// others do not; else empty.
     pub(crate) lossy: Vec<bool>,

@@ -203,7 +203,7 @@ impl Renewed {
         now: &[Start],
         (seconds, usual_speed): (f32, f32),
         (particles, settings): (&Particles, &WorldSettings),
-        max_displacements: &mut [f32],
+        reaches: &mut [f32],
     ) -> Result<()> {
         let Self { is_used, centers, tiles, shapes, tree, .. } = self;
         let container = &settings.container;
@@ -220,8 +220,8 @@ impl Renewed {
         }));
         let usual = usual_speed * seconds;
         let fall = distance_of_fall(settings.gravity, seconds);
-        let longest = container.max_displacement();
-        for (to, of) in max_displacements.iter_mut().zip(now) {
+        let longest = container.max_reach();
+        for (to, of) in reaches.iter_mut().zip(now) {
             let least = if of.is_movable { usual } else { 0.0 };
             *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
         }
@@ -229,7 +229,7 @@ impl Renewed {
         columns.centers.clone_from(centers);
         let radii = columns.radii.rows_mut();
         radii.clear();
-        let all = now.iter().zip(max_displacements.iter());
+        let all = now.iter().zip(reaches.iter());
         radii.extend(
             all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
         );

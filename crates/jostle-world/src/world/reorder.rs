@@ -21,7 +21,7 @@ pub(crate) fn reorder(world: &mut World, threads: Option<usize>) {
     gather(rows, &mut bodies.awake.rows, order, threads);
     persistent.gather(&bodies.awake.persistent, order, threads);
     std::mem::swap(persistent, &mut bodies.awake.persistent);
-    gather(&mut scratch.old_max_displacements, &mut scratch.max_displacements, order, threads);
+    gather(&mut scratch.old_reaches, &mut scratch.reaches, order, threads);
     bodies.forget_indices();
     // The contacts of the previous step are kept, too. A step has several parts only if particles merge, which have no
     // contacts.

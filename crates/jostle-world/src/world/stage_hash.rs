@@ -27,7 +27,7 @@ impl World {
                 let shapes = &self.scratch.shapes;
                 hash.mix_all(shapes.centers());
                 (0..shapes.len()).for_each(|row| hash.mix_value(shapes.radii().at(row)));
-                hash.mix_all(&self.scratch.max_displacements);
+                hash.mix_all(&self.scratch.reaches);
             }
             Stage::Build => hash.mix_all(self.scratch.tree.rows()),
             Stage::Pairs => {

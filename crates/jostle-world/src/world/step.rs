@@ -195,8 +195,8 @@ impl World {
             // Only the contacts show which heavy particles press on light ones.
             let refinement = self.make_contacts(&plan)?;
             let plan = plan.refined(self, refinement);
-            let StepScratch { tree, max_displacements, horizon, .. } = &self.scratch;
-            let bounds = (&max_displacements[..], SPARE * horizon.usual_speed * plan.horizon);
+            let StepScratch { tree, reaches, horizon, .. } = &self.scratch;
+            let bounds = (&reaches[..], SPARE * horizon.usual_speed * plan.horizon);
             self.boundaries.find_near(tree, bounds, &self.settings, f64::from(dt))?;
             watch(Stage::Contacts, self);
             load_motions(self, &plan);

@@ -78,12 +78,14 @@ impl World {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
         } = self;
-        scratch.limits.clear();
+        scratch.watched_reaches.clear();
         // These distances decide which sleeping islands an attempt would touch.
         if any_sleeps {
             let free = FreeDisplacements::new(settings, &scratch.forces, plan.dt);
-            let all = scratch.max_displacements.iter().enumerate();
-            scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
+            let all = scratch.reaches.iter().enumerate();
+            scratch
+                .watched_reaches
+                .extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
         self.halo.protocol().limit(self);
         let Self {
@@ -219,9 +221,8 @@ impl World {
             halo,
             ..
         } = self;
-        let StepScratch { tree, max_displacements, grown, renewed, horizon, .. } = scratch;
-        let of_bounds =
-            BoundsScratch { tree, max_displacements, grown, renewed, crowding: horizon.crowding };
+        let StepScratch { tree, reaches, grown, renewed, horizon, .. } = scratch;
+        let of_bounds = BoundsScratch { tree, reaches, grown, renewed, crowding: horizon.crowding };
         // The first bounds last for their share of the first sub-step. At the beginning of each
         // later sub-step they have expired.
         let share =
@@ -250,7 +251,7 @@ impl World {
             candidates: &scratch.pairs,
             sensed: &scratch.sensed,
             senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
-            limits: &scratch.limits,
+            watched_reaches: &scratch.watched_reaches,
             smallest_radius: common.smallest_radius,
             threads: common.plan.threads,
         };

@@ -153,19 +153,19 @@ fn distance([a, b]: [[f32; 2]; 2], container: &Container) -> f64 {
 }
 
 /// Writes an estimate of the displacement of each particle by springs in a step of `dt` into
-/// `max_displacements[index]`. All particles of an island get the largest one, because an impact on
+/// `displacements[index]`. All particles of an island get the largest one, because an impact on
 /// one end of a spring may move the other end within the step.
-pub fn max_displacements<'a>(
+pub fn estimate_displacements<'a>(
     springs: impl Iterator<Item = &'a Spring> + Clone,
     bodies: &Bodies<'_>,
     velocities: &[[f32; 2]],
     dt: f32,
     islands: &mut DisjointSets,
-    max_displacements: &mut Vec<f32>,
+    displacements: &mut Vec<f32>,
 ) {
     islands.reset(bodies.positions.len());
-    max_displacements.clear();
-    max_displacements.resize(bodies.positions.len(), 0.0);
+    displacements.clear();
+    displacements.resize(bodies.positions.len(), 0.0);
     for spring in springs.clone() {
         let [a, b] = spring.pair.map(|row| bodies.indices[row as usize]);
         islands.join(a, b);
@@ -183,12 +183,12 @@ pub fn max_displacements<'a>(
         let stretch = (length(spring, bodies) - f64::from(spring.length)).abs();
         let swing = stretch * (f64::from(spring.stiffness) / masses[0].min(masses[1])).sqrt();
         let fastest = speed(indices[0]).max(speed(indices[1])) + swing;
-        let of_all = &mut max_displacements[islands.root(indices[0] as u32) as usize];
+        let of_all = &mut displacements[islands.root(indices[0] as u32) as usize];
         *of_all = of_all.max((fastest * f64::from(dt)) as f32);
     }
     // The largest of its island, see above: an impact travels along springs within one step.
     for index in springs.flat_map(indices) {
-        max_displacements[index] = max_displacements[islands.root(index as u32) as usize];
+        displacements[index] = displacements[islands.root(index as u32) as usize];
     }
 }
 

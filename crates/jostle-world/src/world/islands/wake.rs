@@ -50,7 +50,7 @@ pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
     let radius = |index: u32| {
         let at = index as usize;
         let moves = !particles.is_static(at) && rows[at] < own;
-        let most = scratch.max_displacements[at];
+        let most = scratch.reaches[at];
         let rounding = rounding(particles.positions[at], particles.radii[at], &settings.container);
         moves.then(|| particles.radii[at] + free.within(particles, at, most) + rounding)
     };
@@ -66,7 +66,7 @@ pub(crate) fn has_left_bounds_to_sleepers(world: &mut World) -> Result<bool> {
     if !any_sleeps(&world.bodies, &*world.halo) {
         return Ok(false);
     }
-    let any_outside = find_circles_outside_limits(world)?;
+    let any_outside = find_circles_beyond_reach(world)?;
     let World { bodies: Bodies { asleep, .. }, halo, islands, settings, .. } = world;
     if !any_outside {
         return islands.any_touched(&**halo, false);
@@ -79,42 +79,42 @@ pub(crate) fn has_left_bounds_to_sleepers(world: &mut World) -> Result<bool> {
     islands.any_touched(&**halo, of_others)
 }
 
-/// Builds the tree of circles around the particles of this process that have left their bounds; returns
+/// Builds the tree of circles around the particles of this process that got beyond their watched reaches; returns
 /// whether there are any.
-fn find_circles_outside_limits(world: &mut World) -> Result<bool> {
+fn find_circles_beyond_reach(world: &mut World) -> Result<bool> {
     let World { bodies, scratch, settings, halo, islands, .. } = world;
     let Discs { particles, rows, .. } = &bodies.awake;
-    let StepScratch { events, limits, motions, .. } = scratch;
+    let StepScratch { events, watched_reaches, motions, .. } = scratch;
     let own = halo.own_rows();
-    let outside_limits = &mut events.outside_limits;
-    outside_limits.retain(|&(index, _)| rows[index as usize] < own);
+    let beyond_reach = &mut events.beyond_reach;
+    beyond_reach.retain(|&(index, _)| rows[index as usize] < own);
     // Position correction moves particles without an event, so the last positions are tested,
     // too.
-    for (index, &limit) in limits.iter().enumerate() {
+    for (index, &reach) in watched_reaches.iter().enumerate() {
         let ([x, y], [u, v]) = (motions.position(index as u32), particles.positions[index]);
         let [x, y] = [x - u, y - v].map(f64::from);
         let distance = (x * x + y * y).sqrt();
-        if distance > f64::from(limit) {
-            outside_limits.push((index as u32, distance));
+        if distance > f64::from(reach) {
+            beyond_reach.push((index as u32, distance));
         }
     }
-    if outside_limits.is_empty() {
+    if beyond_reach.is_empty() {
         return Ok(false);
     }
     let Islands { shapes, tree, .. } = islands;
     let index = |&(index, _): &(u32, f64)| index as usize;
     let columns = shapes.columns_mut();
     columns.centers.clear();
-    columns.centers.extend(outside_limits.iter().map(|of| particles.positions[index(of)]));
+    columns.centers.extend(beyond_reach.iter().map(|of| particles.positions[index(of)]));
     let radii = columns.radii.rows_mut();
     radii.clear();
     // The distance is rounded to float32; the factor is a reserve for that.
-    radii.extend(outside_limits.iter().map(|of| {
+    radii.extend(beyond_reach.iter().map(|of| {
         let (position, radius) = (particles.positions[index(of)], particles.radii[index(of)]);
         let rounding = rounding(position, radius, &settings.container);
         radius + of.1 as f32 * 1.000_01 + rounding
     }));
-    let filters = if particles.filters.is_empty() { &[][..] } else { &outside_limits[..] };
+    let filters = if particles.filters.is_empty() { &[][..] } else { &beyond_reach[..] };
     let filters = filters.iter().map(|of| particles.filter(index(of)));
     fill_filters(filters, columns.filters);
     tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
