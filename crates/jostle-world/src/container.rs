@@ -4,7 +4,7 @@
 
 use crate::particles::FARTHEST;
 use crate::tolerance::ROUNDING;
-use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
+use crate::trajectory::{Impact, Limits, Piece, Vector, dot, flat_impact, round_impact, vector};
 use jostle_base::error::{Error, Result};
 use jostle_base::saved;
 use jostle_index::period::Period;
@@ -332,7 +332,7 @@ impl Container {
     #[inline(always)]
     pub fn impact(
         &self,
-        segment: &Segment,
+        segment: &Piece,
         radius: f64,
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
@@ -382,7 +382,7 @@ impl Side {
     #[inline(always)]
     fn impact(
         &self,
-        segment: &Segment,
+        segment: &Piece,
         radius: f64,
         gravity: Vector,
         limits: &Limits,

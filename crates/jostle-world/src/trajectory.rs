@@ -24,7 +24,7 @@ pub fn vector(component: impl Fn(usize) -> f64) -> Vector {
 
 /// A part of a trajectory without events.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Segment {
+pub struct Piece {
     /// When it begins, in seconds since the beginning of the flight.
     pub time: f64,
     /// Centre at that time.
@@ -37,18 +37,18 @@ pub struct Segment {
     pub is_first: bool,
 }
 
-impl Segment {
+impl Piece {
     /// Centre and velocity at `time`.
     #[inline(always)]
     pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
-        // All positions of a segment come from its beginning, in one formula. Steps from event to
+        // All positions of a piece come from its beginning, in one formula. Steps from event to
         // event would add a rounding for each.
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
         [self.position_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
     }
 
-    /// The rest of the segment from `time` on.
+    /// The rest of the piece from `time` on.
     #[inline(always)]
     pub fn moved(&self, time: f64, gravity: Vector) -> Self {
         let [position, velocity] = self.at(time, gravity);
@@ -208,7 +208,7 @@ impl Relative {
     /// The motion of the disc on `second` against that on `first`; `image` is added to the offset.
     /// Exchanging the two changes signs only, so the time of impact has the same bits.
     #[inline(always)]
-    pub fn of(first: &Segment, second: &Segment, image: Vector, gravity: Vector) -> Self {
+    pub fn of(first: &Piece, second: &Piece, image: Vector, gravity: Vector) -> Self {
         // Both are moved to the later start, and only then subtracted. The difference of two near
         // positions is small and nearly without error, so what follows has its relative accuracy.
         let start = first.time.max(second.time);

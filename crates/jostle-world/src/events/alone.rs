@@ -7,7 +7,7 @@ use super::impulses;
 use super::queue::{Event, WALL};
 use super::simulation::Simulation;
 use super::two::Turned;
-use crate::trajectory::{Kind, Segment};
+use crate::trajectory::{Kind, Piece};
 
 impl Simulation<'_> {
     /// Computes the bounce of a disc off a wall and returns true. Returns false, with its trajectory
@@ -22,24 +22,24 @@ impl Simulation<'_> {
         if kind != Kind::Bounce || partner != WALL || !is_plain {
             return false;
         }
-        let number = self.course(index);
-        let course = &self.history.courses[number as usize];
+        let number = self.trajectory(index);
+        let trajectory = &self.history.trajectories[number as usize];
         // A disc without room has several events at one moment.
         // `happen` treats discs between walls at an acute angle or between walls that close in, and
         // counts their events at one moment.
-        let has_just_turned = course.count > 0 && course.segment.time == time;
-        if has_just_turned || course.is_exhausted || self.is_nearly_exhausted(course) {
+        let has_just_turned = trajectory.count > 0 && trajectory.piece.time == time;
+        if has_just_turned || trajectory.is_exhausted || self.is_nearly_exhausted(trajectory) {
             return false;
         }
         // The steps below are those of `happen` for a group of one disc and one contact. The same
         // functions in the same order make the same bits.
-        let now = course.segment.moved(time, window.gravity());
-        let count = course.count + 1;
+        let now = trajectory.piece.moved(time, window.gravity());
+        let count = trajectory.count + 1;
         let normal = window.wall_normal(index, wall, &now);
-        let touch = self.wall_touch(index, 0, course, wall, normal);
+        let touch = self.wall_touch(index, 0, trajectory, wall, normal);
         let mut velocities = [now.velocity];
         impulses::apply(&mut [touch], &mut velocities, &mut self.scratch.impulses);
-        let new = Segment { velocity: velocities[0], is_first: false, ..now };
+        let new = Piece { velocity: velocities[0], is_first: false, ..now };
         let own = Turned { index, now: &now, new: &new, count };
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
@@ -58,7 +58,7 @@ impl Simulation<'_> {
             self.turn(number, new);
             let impulses = self.impulses_of(0);
             let pair = [index, WALL];
-            self.history.bounces.push(Bounce { pair, code: wall, impulses, course: number });
+            self.history.bounces.push(Bounce { pair, code: wall, impulses, trajectory: number });
         }
         self.scratch.predicted = predicted;
         is_alone

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::flight::Window;
+use super::flight::TimeWindow;
 use super::history::{Bounce, History};
 use super::neighbors::Neighbors;
 use super::queue::Event;
@@ -36,7 +36,7 @@ pub(super) fn size(len: usize, threads: Option<usize>) -> usize {
 pub(super) struct Block {
     pub(super) number: usize,
     pub(super) range: Range<u32>,
-    /// Impacts along the first segments.
+    /// Impacts along the first pieces.
     pub(super) first: Vec<Event>,
     /// The same with discs of other blocks.
     pub(super) crossing: Vec<Event>,
@@ -46,9 +46,9 @@ pub(super) struct Block {
 
 /// Arguments of the simulation of a block.
 pub(super) struct Arguments<'a> {
-    pub(super) window: &'a Window<'a>,
+    pub(super) window: &'a TimeWindow<'a>,
     pub(super) neighbors: &'a Neighbors,
-    pub(super) course_of: &'a mut [u32],
+    pub(super) trajectory_of: &'a mut [u32],
     pub(super) reaches: &'a [f32],
     pub(super) stop: &'a Stop,
     pub(super) scratch: &'a mut Scratch,
@@ -66,8 +66,8 @@ impl Block {
     }
 
     /// Leaves out the impacts after the end of a shorter window.
-    pub(super) fn shorten(&mut self, window: &Window<'_>) {
-        // Events after the new end have changed courses, bounces and islands. To simulate the block
+    pub(super) fn shorten(&mut self, window: &TimeWindow<'_>) {
+        // Events after the new end have changed trajectories, bounces and islands. To simulate the block
         // again is simpler than to undo them, and few windows are shortened.
         self.history.clear();
         self.is_simulated = false;
@@ -95,11 +95,11 @@ impl Block {
         cache::load(&arguments.reaches[range]);
     }
 
-    /// Finds the impacts on walls along the first segments; `unsettled` are the discs of the block that
+    /// Finds the impacts on walls along the first pieces; `unsettled` are the discs of the block that
     /// are not settled. `near` is scratch.
     pub(super) fn find_first_wall_impacts(
         &mut self,
-        window: &Window<'_>,
+        window: &TimeWindow<'_>,
         unsettled: &[u32],
         near: &mut Vec<u32>,
     ) {
@@ -112,7 +112,7 @@ impl Block {
             window.list_near_walls(self.range.clone(), near)
         };
         let near = near.iter();
-        let event = |&index| window.wall_event(index, &window.segment(index), 0, &|_| false);
+        let event = |&index| window.wall_event(index, &window.piece(index), 0, &|_| false);
         let events = near.map(event);
         self.first.extend(events.flatten());
     }
@@ -120,16 +120,16 @@ impl Block {
     /// Simulates the events of the block by itself.
     pub(super) fn simulate(&mut self, arguments: &mut Arguments<'_>) {
         self.is_simulated = true;
-        let Arguments { window, neighbors, course_of, reaches, stop, scratch } = arguments;
+        let Arguments { window, neighbors, trajectory_of, reaches, stop, scratch } = arguments;
         let (range, history) = (self.range.clone(), &mut self.history);
-        // A block has one simulation in each window, so its courses begin with number 0.
+        // A block has one simulation in each window, so its trajectories begin with number 0.
         // Repetitions append to one list, with a mark and a base of their own.
         let (mark, base) = (0, 0);
         let simulation = Simulation {
             window,
             neighbors,
             range,
-            course_of,
+            trajectory_of,
             reaches,
             history,
             mark,
@@ -143,12 +143,12 @@ impl Block {
         self.history.bounces.sort_unstable_by(Bounce::order);
         if window.is_last() && window.flight.keeps_starts() {
             // The discs are in the cache now. Those that are simulated again are moved again.
-            self.move_discs(window, course_of);
+            self.move_discs(window, trajectory_of);
         }
     }
 
     /// Moves the discs of the block to the end of the flight, by its own history.
-    pub(super) fn move_discs(&self, window: &Window<'_>, course_of: &[u32]) {
+    pub(super) fn move_discs(&self, window: &TimeWindow<'_>, trajectory_of: &[u32]) {
         // All as if they had no events, and then those that have, because a branch for each would often be
         // predicted wrongly.
         for index in self.range.clone() {
@@ -159,15 +159,15 @@ impl Block {
             } else {
                 // In a window that is not the first, a disc without events in it may have had some
                 // before.
-                let stopped = window.carried(index).and_then(|course| course.stopped);
-                window.move_disc(index, &window.segment(index), stopped);
+                let stopped = window.carried(index).and_then(|trajectory| trajectory.stopped);
+                window.move_disc(index, &window.piece(index), stopped);
             }
         }
-        for (number, course) in (0..).zip(&self.history.courses) {
-            // At the end of a repetition `course_of` may name another course; that one is written
+        for (number, trajectory) in (0..).zip(&self.history.trajectories) {
+            // At the end of a repetition `trajectory_of` may name another trajectory; that one is written
             // elsewhere.
-            if course_of[(course.index - self.range.start) as usize] == number {
-                window.move_disc(course.index, &course.segment, course.stopped);
+            if trajectory_of[(trajectory.index - self.range.start) as usize] == number {
+                window.move_disc(trajectory.index, &trajectory.piece, trajectory.stopped);
             }
         }
     }

@@ -1,14 +1,14 @@
 //! The bounds in which discs were searched for neighbours, and the discs that leave them.
 
 use super::Events;
-use super::flight::{Start, Window};
+use super::flight::{Start, TimeWindow};
 use super::history::NONE;
 use super::neighbors::{NearPair, PairList};
-use crate::trajectory::{Segment, Vector};
+use crate::trajectory::{Piece, Vector};
 use jostle_base::error::Result;
 
 /// Where discs may be during a step, and how to find others that may be there too.
-pub trait Bounds {
+pub trait SweptBounds {
     /// How far discs may get from their positions at the beginning of the part, or when bounds were renewed, within
     /// the bounds in which their neighbours were searched.
     fn reaches(&self) -> &[f32];
@@ -68,13 +68,17 @@ pub struct Outside {
     pub index: u32,
     /// How far it gets from its position when the bounds were made, if it has no further events.
     pub distance: f64,
-    /// The segment that it is on.
-    pub segment: Segment,
+    /// The piece that it is on.
+    pub piece: Piece,
 }
 
 impl Events {
     /// Adds the neighbours that the discs outside their bounds have in larger bounds.
-    pub(super) fn grow(&mut self, window: &Window<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+    pub(super) fn grow(
+        &mut self,
+        window: &TimeWindow<'_>,
+        bounds: &mut dyn SweptBounds,
+    ) -> Result<()> {
         self.new.clear();
         if self.outside.is_empty() || !(window.flight.pairs || window.flight.senses_all) {
             return Ok(());
@@ -93,12 +97,12 @@ impl Events {
     }
 
     /// Lists the discs that get beyond their watched reaches in the window.
-    pub(super) fn find_beyond_reach(&mut self, window: &Window<'_>) {
+    pub(super) fn find_beyond_reach(&mut self, window: &TimeWindow<'_>) {
         let mut listed = std::mem::take(&mut self.may_be_beyond_reach);
         if !window.flight.watched_reaches.is_empty() {
             // They may be smaller than bounds. Without events only renewed bounds let a disc get
             // further.
-            let has_events = |&index: &u32| self.course_of[index as usize] != NONE;
+            let has_events = |&index: &u32| self.trajectory_of[index as usize] != NONE;
             let all = 0..window.starts.len() as u32;
             listed.extend(all.filter(|index| window.anchors.is_some() || has_events(index)));
         }
@@ -106,12 +110,12 @@ impl Events {
         listed.sort_unstable();
         listed.dedup();
         for &index in &listed {
-            let squares = self.trajectory(window, index);
+            let squares = self.pieces(window, index);
             let anchor = window.flight.anchor(index);
-            // `longest_square` follows each segment to the end of the window, also where an event
+            // `longest_square` follows each piece to the end of the window, also where an event
             // ends it earlier. So the distance is an upper bound, and it follows from the
             // trajectory alone.
-            let squares = squares.map(|part| window.longest_square(anchor, &part.segment));
+            let squares = squares.map(|part| window.longest_square(anchor, &part.piece));
             let distance = squares.fold(0.0, f64::max).sqrt();
             if distance > f64::from(window.flight.watched_reaches[index as usize]) {
                 self.beyond_reach.push((index, distance));
@@ -121,9 +125,9 @@ impl Events {
     }
 }
 
-/// Lists the discs whose first segment leaves their bounds.
+/// Lists the discs whose first piece leaves their bounds.
 pub(super) fn find_outside_at_start(
-    window: &Window<'_>,
+    window: &TimeWindow<'_>,
     reaches: &[f32],
     outside: &mut Vec<Outside>,
 ) {
@@ -135,10 +139,10 @@ pub(super) fn find_outside_at_start(
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
         // Where it was before the window does not matter.
-        let segment = window.segment(index);
-        let segment = segment.moved(window.begin.max(segment.time), window.gravity());
-        let distance = window.longest_square(window.anchor(index), &segment).sqrt();
-        Outside { index, distance, segment }
+        let piece = window.piece(index);
+        let piece = piece.moved(window.begin.max(piece.time), window.gravity());
+        let distance = window.longest_square(window.anchor(index), &piece).sqrt();
+        Outside { index, distance, piece }
     });
     outside.clear();
     outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::flight::{DEFERRED, Flight, Start, Window};
+use super::flight::{DEFERRED, Flight, Start, TimeWindow};
 use crate::tolerance::size_of;
-use crate::trajectory::Segment;
+use crate::trajectory::Piece;
 use jostle_index::pairs::Path;
 
 /// Relative error, with a large reserve, of the squares of distances in float32. Too large a margin
@@ -104,15 +104,15 @@ impl Start {
 }
 
 impl Now {
-    /// A disc that begins a segment.
+    /// A disc that begins a piece.
     #[inline(always)]
-    pub fn of(segment: &Segment, radius: f64) -> Self {
-        let position = segment.position.map(|v| v as f32);
+    pub fn of(piece: &Piece, radius: f64) -> Self {
+        let position = piece.position.map(|v| v as f32);
         Self {
             position,
-            velocity: segment.velocity.map(|v| v as f32),
+            velocity: piece.velocity.map(|v| v as f32),
             radius: radius as f32,
-            falls: segment.falls,
+            falls: piece.falls,
             sizes: length(position),
         }
     }
@@ -144,8 +144,8 @@ impl Now {
     }
 }
 
-impl Window<'_> {
-    /// False only if two discs certainly do not meet along their first segments.
+impl TimeWindow<'_> {
+    /// False only if two discs certainly do not meet along their first pieces.
     #[inline(always)]
     pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
         let span = (self.end - self.begin) as f32;
@@ -225,7 +225,7 @@ impl Window<'_> {
         walls.may_touch(index, &path, error, left).map(|may| may | is_near_side)
     }
 
-    /// False only if a disc certainly stays in its bounds along its first segment.
+    /// False only if a disc certainly stays in its bounds along its first piece.
     #[inline(always)]
     pub fn may_leave(&self, index: u32, reach: f32) -> bool {
         let own = &self.flight.particles.positions;
@@ -247,7 +247,7 @@ impl Window<'_> {
         unsettled.truncate(count);
     }
 
-    /// Lists those of some discs that may hit a wall along their first segments, and some others.
+    /// Lists those of some discs that may hit a wall along their first pieces, and some others.
     pub fn list_near_walls<'n>(
         &self,
         discs: impl ExactSizeIterator<Item = u32>,
@@ -346,16 +346,16 @@ mod tests {
             let image = image.map(|v| v as f32);
             let seam = image.map(f64::from);
             let starts = [(v, meeting[0], [0.0; 2]), (w, meeting[1], seam)];
-            let segments = starts.map(|(velocity, at, seam)| Segment {
+            let pieces = starts.map(|(velocity, at, seam)| Piece {
                 time: 0.0,
                 position: [0, 1].map(|k| at[k] - velocity[k] * when * span - seam[k]),
                 velocity,
                 falls: false,
                 is_first: true,
             });
-            let relative = Relative::of(&segments[0], &segments[1], seam, [0.0; 2]);
+            let relative = Relative::of(&pieces[0], &pieces[1], seam, [0.0; 2]);
             if relative.touches(contact_distance, span) {
-                let [own, other] = [0, 1].map(|k| Now::of(&segments[k], f64::from(radii[k])));
+                let [own, other] = [0, 1].map(|k| Now::of(&pieces[k], f64::from(radii[k])));
                 prop_assert!(own.may_meet(&other, image, span as f32));
                 prop_assert!(other.may_meet(&own, image.map(|v| -v), span as f32));
             }
@@ -385,10 +385,10 @@ mod tests {
         ) {
             let starts = [([0.0; 2], velocities[0]), (offset, velocities[1])];
             if starts.iter().all(|&(position, velocity)| resting(position, velocity).is_settled(1.0, 1.0)) {
-                let segments = starts.map(|(position, velocity)| {
-                    Segment { position, velocity, ..Segment::default() }
+                let pieces = starts.map(|(position, velocity)| {
+                    Piece { position, velocity, ..Piece::default() }
                 });
-                let relative = Relative::of(&segments[0], &segments[1], [0.0; 2], [0.0; 2]);
+                let relative = Relative::of(&pieces[0], &pieces[1], [0.0; 2], [0.0; 2]);
                 let tolerance = 2.0 * DEFERRED;
                 let limits = Limits {
                     until: 1.0,
@@ -429,11 +429,11 @@ mod tests {
 
     #[test]
     fn discs_that_pass_far_away_are_left_out() {
-        let segment = |position, velocity| Segment { position, velocity, ..Segment::default() };
-        let own = Now::of(&segment([0.0, 0.0], [1.0, 0.0]), 1.0);
-        let other = Now::of(&segment([10.0, 2.1], [-9.0, 0.0]), 1.0);
+        let piece = |position, velocity| Piece { position, velocity, ..Piece::default() };
+        let own = Now::of(&piece([0.0, 0.0], [1.0, 0.0]), 1.0);
+        let other = Now::of(&piece([10.0, 2.1], [-9.0, 0.0]), 1.0);
         assert!(!own.may_meet(&other, [0.0; 2], 2.0));
-        let nearer = Now::of(&segment([10.0, 1.9], [-9.0, 0.0]), 1.0);
+        let nearer = Now::of(&piece([10.0, 1.9], [-9.0, 0.0]), 1.0);
         assert!(own.may_meet(&nearer, [0.0; 2], 2.0));
         assert!(!own.may_meet(&nearer, [0.0; 2], 0.1));
     }

@@ -25,11 +25,11 @@
 //! The counts follow from the trajectory of the disc alone, and continue from window to window.
 //! They begin anew in each flight; which discs are exhausted is known until the end of the step.
 
-use super::flight::{Flight, Start, Window};
-use super::history::{Course, History, Trajectory};
+use super::flight::{Flight, Start, TimeWindow};
+use super::history::{History, Pieces, Trajectory};
 use super::impulses::{self, Touch};
 use super::simulation::{Scratch, Simulation};
-use crate::trajectory::{Segment, Vector, dot, vector};
+use crate::trajectory::{Piece, Vector, dot, vector};
 use crate::walls::index_of;
 
 /// Recent events from which on the collisions of a disc are elastic. A smaller number takes too
@@ -88,12 +88,12 @@ impl Flight<'_> {
     }
 }
 
-impl Window<'_> {
+impl TimeWindow<'_> {
     /// Whether a disc was exhausted when the window began.
     #[inline(always)]
     pub fn is_exhausted(&self, index: u32) -> bool {
         match self.carried(index) {
-            Some(course) => course.is_exhausted,
+            Some(trajectory) => trajectory.is_exhausted,
             // Nearly always nothing is exhausted, and the first test costs one comparison.
             None => !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok(),
         }
@@ -102,28 +102,28 @@ impl Window<'_> {
     /// Whether an earlier window of the flight exhausted a disc, or one that was exhausted had
     /// events in it.
     pub fn was_exhausted(&self, index: u32) -> bool {
-        self.carried(index).is_some_and(|course| course.is_exhausted)
+        self.carried(index).is_some_and(|trajectory| trajectory.is_exhausted)
     }
 
-    /// Whether the disc of a course has no more events in the flight.
-    pub(super) fn has_ended(&self, course: &Course) -> bool {
-        course.recent >= self.flight.max_events(course.index) + MORE_EVENTS
+    /// Whether the disc of a trajectory has no more events in the flight.
+    pub(super) fn has_ended(&self, trajectory: &Trajectory) -> bool {
+        trajectory.recent >= self.flight.max_events(trajectory.index) + MORE_EVENTS
     }
 }
 
-impl Course {
+impl Trajectory {
     /// Counts an event after which the disc of this radius continues on `new`, in a flight of
     /// `seconds`.
-    pub(super) fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
+    pub(super) fn count_recent(&mut self, new: &Piece, radius: f64, seconds: f64) {
         if radius > 0.0 {
             // The count measures events without progress. A fast disc in a dense gas has many
             // events, and moves by its radius between few of them. Distances along the axes need no
             // square root.
-            let by = vector(|k| (new.position[k] - self.segment.position[k]).abs());
+            let by = vector(|k| (new.position[k] - self.piece.position[k]).abs());
             self.travelled += (by[0] + by[1]) as f32;
         } else {
             let part = |time: f64| (time / (seconds / PARTS)).floor();
-            if part(self.segment.time) < part(new.time) {
+            if part(self.piece.time) < part(new.time) {
                 self.travelled = f32::INFINITY;
             }
         }
@@ -140,77 +140,79 @@ impl Simulation<'_> {
     #[inline(always)]
     pub(super) fn exhaust_if_many(&mut self, number: u32) {
         let window = self.window;
-        let History { courses, exhausted_courses, collapsed, .. } = &mut *self.history;
-        let course = &mut courses[number as usize];
-        let is_lossy = window.flight.lose_energy([course.index]);
+        let History { trajectories, exhausted_trajectories, collapsed, .. } = &mut *self.history;
+        let trajectory = &mut trajectories[number as usize];
+        let is_lossy = window.flight.lose_energy([trajectory.index]);
         // Equality, so that a collapse is listed once.
-        if course.recent == COLLAPSE && is_lossy {
+        if trajectory.recent == COLLAPSE && is_lossy {
             collapsed.push(number);
         }
         // The rule depends on this disc's own trajectory alone. A limit for the whole world would
         // let events far away decide, which would depend on how the world is divided among
         // processes.
-        if course.recent >= window.flight.max_events(course.index) && !course.is_exhausted {
-            course.is_exhausted = true;
-            exhausted_courses.push(number);
+        if trajectory.recent >= window.flight.max_events(trajectory.index)
+            && !trajectory.is_exhausted
+        {
+            trajectory.is_exhausted = true;
+            exhausted_trajectories.push(number);
             if !is_lossy {
-                // The velocity is kept outside the segment: for all others the disc stands still,
+                // The velocity is kept outside the piece: for all others the disc stands still,
                 // so predictions read 0.
-                course.stopped = Some(course.segment.velocity);
-                course.segment.velocity = [0.0; 2];
-                course.segment.falls = false;
+                trajectory.stopped = Some(trajectory.piece.velocity);
+                trajectory.piece.velocity = [0.0; 2];
+                trajectory.piece.falls = false;
             }
         }
-        if window.has_ended(course) {
+        if window.has_ended(trajectory) {
             // Nothing would stop its fall.
-            course.segment.falls = false;
+            trajectory.piece.falls = false;
         }
     }
 
-    /// Whether the next event of the disc of a course exhausts it. The paths for simple collisions
+    /// Whether the next event of the disc of a trajectory exhausts it. The paths for simple collisions
     /// leave such an event to [`Simulation::happen`].
-    pub(super) fn is_nearly_exhausted(&self, course: &Course) -> bool {
-        course.recent + 1 >= self.window.flight.max_events(course.index)
+    pub(super) fn is_nearly_exhausted(&self, trajectory: &Trajectory) -> bool {
+        trajectory.recent + 1 >= self.window.flight.max_events(trajectory.index)
     }
 
     /// Lets the event at `time` exhaust a disc that loses no energy and has no room between walls:
     /// it would bounce without end, and ever faster.
     pub(super) fn exhaust_without_room(&mut self, number: u32, wall: u32, time: f64) {
-        let course = &self.history.courses[number as usize];
-        let most = self.window.flight.max_events(course.index);
-        let is_lossy = self.window.flight.lose_energy([course.index]);
-        if index_of(wall).is_some() && !is_lossy && self.has_many_at_once(course, time) {
-            let course = &mut self.history.courses[number as usize];
+        let trajectory = &self.history.trajectories[number as usize];
+        let most = self.window.flight.max_events(trajectory.index);
+        let is_lossy = self.window.flight.lose_energy([trajectory.index]);
+        if index_of(wall).is_some() && !is_lossy && self.has_many_at_once(trajectory, time) {
+            let trajectory = &mut self.history.trajectories[number as usize];
             // The event itself is counted later.
             // Between two walls that close in, the times between bounces shrink without limit. No
             // number of further events helps, so the disc skips the count.
-            course.recent = course.recent.max(most - 1);
+            trajectory.recent = trajectory.recent.max(most - 1);
         }
     }
 
     /// Whether a disc has no more events in the flight.
     pub(super) fn has_ended(&self, index: u32) -> bool {
-        let course = self.find(index).or_else(|| self.window.carried(index));
-        course.is_some_and(|course| self.window.has_ended(course))
+        let trajectory = self.find(index).or_else(|| self.window.carried(index));
+        trajectory.is_some_and(|trajectory| self.window.has_ended(trajectory))
     }
 
-    /// Whether the contacts of the disc of a course are solved jointly at `time`.
-    pub(super) fn is_joint(&self, course: &Course, time: f64) -> bool {
-        let is_lossy = || self.window.flight.lose_energy([course.index]);
+    /// Whether the contacts of the disc of a trajectory are solved jointly at `time`.
+    pub(super) fn is_joint(&self, trajectory: &Trajectory, time: f64) -> bool {
+        let is_lossy = || self.window.flight.lose_energy([trajectory.index]);
         // Where no energy is lost, the number of collisions at one moment is finite, so they are
         // solved one by one. A joint solution without restitution would lose energy.
-        course.is_exhausted || self.has_many_at_once(course, time) && is_lossy()
+        trajectory.is_exhausted || self.has_many_at_once(trajectory, time) && is_lossy()
     }
 
-    /// Whether the disc of a course has had more than [`MAX_AT_ONCE`] events at this moment.
-    fn has_many_at_once(&self, course: &Course, time: f64) -> bool {
+    /// Whether the disc of a trajectory has had more than [`MAX_AT_ONCE`] events at this moment.
+    fn has_many_at_once(&self, trajectory: &Trajectory, time: f64) -> bool {
         let has_many = || {
-            let segments = Trajectory::of(self.history, course, time);
-            // Segments of the same time are a run at the end of the chain, so the walk back is
+            let pieces = Pieces::of(self.history, trajectory, time);
+            // Pieces of the same time are a run at the end of the chain, so the walk back is
             // short.
-            segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
+            pieces.take_while(|part| part.piece.time == time).count() > MAX_AT_ONCE
         };
-        course.count as usize >= MAX_AT_ONCE && course.segment.time == time && has_many()
+        trajectory.count as usize >= MAX_AT_ONCE && trajectory.piece.time == time && has_many()
     }
 
     /// Coefficient of restitution of two discs that have had so many recent events.
@@ -219,39 +221,40 @@ impl Simulation<'_> {
         if collapses { 1.0 } else { self.window.pair_restitution(pair) }
     }
 
-    /// Coefficient of restitution of the disc of a course and a wall.
-    pub(super) fn wall_restitution(&self, course: &Course, wall: u32) -> f64 {
-        if course.is_exhausted {
+    /// Coefficient of restitution of the disc of a trajectory and a wall.
+    pub(super) fn wall_restitution(&self, trajectory: &Trajectory, wall: u32) -> f64 {
+        if trajectory.is_exhausted {
             0.0
-        } else if index_of(wall).is_some() && course.recent >= COLLAPSE {
+        } else if index_of(wall).is_some() && trajectory.recent >= COLLAPSE {
             1.0
         } else {
-            self.window.wall_restitution(course.index, wall)
+            self.window.wall_restitution(trajectory.index, wall)
         }
     }
 
     /// One over the masses of two discs of the group and their coefficient of restitution; a disc
-    /// without a course cannot move.
+    /// without a trajectory cannot move.
     pub(super) fn masses_and_restitution(
         &self,
         pair: [u32; 2],
-        courses: [Option<&Course>; 2],
+        trajectories: [Option<&Trajectory>; 2],
     ) -> ([f64; 2], f64) {
         let window = self.window;
-        let are_exhausted = courses.map(|of| of.is_none_or(|course| course.is_exhausted));
+        let are_exhausted =
+            trajectories.map(|of| of.is_none_or(|trajectory| trajectory.is_exhausted));
         // Others bounce off an exhausted disc that must keep its energy, but two of them stay
         // together.
         let conserves = !window.flight.lose_energy(pair) && are_exhausted != [true; 2];
-        let inverse_mass = |course: &Course| {
-            let is_fixed = conserves && course.is_exhausted || window.has_ended(course);
+        let inverse_mass = |trajectory: &Trajectory| {
+            let is_fixed = conserves && trajectory.is_exhausted || window.has_ended(trajectory);
             // An inverse mass of 0 makes a disc immovable in the solver without a case of its own.
-            if is_fixed { 0.0 } else { course.inverse_mass }
+            if is_fixed { 0.0 } else { trajectory.inverse_mass }
         };
-        let inverse_masses = courses.map(|of| of.map_or(0.0, inverse_mass));
+        let inverse_masses = trajectories.map(|of| of.map_or(0.0, inverse_mass));
         // With a restitution above 0, discs that press an exhausted one would bounce off it again
         // and again at the same place.
-        let sticks = !conserves && courses.into_iter().flatten().any(|of| of.is_exhausted);
-        let counts = courses.map(|of| of.map_or(0, |course| course.recent));
+        let sticks = !conserves && trajectories.into_iter().flatten().any(|of| of.is_exhausted);
+        let counts = trajectories.map(|of| of.map_or(0, |trajectory| trajectory.recent));
         let restitution = if sticks { 0.0 } else { self.pair_restitution(pair, counts) };
         (inverse_masses, restitution)
     }
@@ -279,10 +282,10 @@ impl Simulation<'_> {
             impulses::project(touches.iter(), velocities, sums);
         }
         for (own, velocity) in group.iter().zip(&mut *velocities) {
-            let course = &self.history.courses[own.number as usize];
+            let trajectory = &self.history.trajectories[own.number as usize];
             // The event is counted later.
             // A disc that has ended has no velocity of its own; what presses it gives it one below.
-            if window.has_ended(&Course { recent: course.recent + 1, ..*course }) {
+            if window.has_ended(&Trajectory { recent: trajectory.recent + 1, ..*trajectory }) {
                 *velocity = [0.0; 2];
             }
         }

@@ -1,9 +1,9 @@
-//! The impacts along the first segments of a window.
+//! The impacts along the first pieces of a window.
 //!
 //! Pairs are tested in the order of the candidate pairs, which are near each other in memory. A test
 //! in float32 leaves out most of them.
 
-use super::flight::Window;
+use super::flight::TimeWindow;
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::Event;
 use super::{Block, Events};
@@ -17,7 +17,7 @@ const FEW: usize = 4;
 impl Events {
     /// Finds the first impacts of the neighbours that were found after discs have left their bounds
     /// in an earlier window, and gives them to the blocks of their first discs.
-    pub(super) fn find_first_impacts_of_later(&mut self, window: &Window<'_>) {
+    pub(super) fn find_first_impacts_of_later(&mut self, window: &TimeWindow<'_>) {
         let Self { neighbors, blocks, size, .. } = self;
         if !window.flight.pairs {
             return;
@@ -36,11 +36,11 @@ impl Events {
 }
 
 impl Block {
-    /// Finds the impacts along the first segments of pairs of which a disc of this block is the first.
+    /// Finds the impacts along the first pieces of pairs of which a disc of this block is the first.
     /// `unsettled` are the discs of the block that are not settled. `near` is scratch.
     pub(super) fn find_first_impacts(
         &mut self,
-        window: &Window<'_>,
+        window: &TimeWindow<'_>,
         neighbors: &Neighbors,
         unsettled: &[u32],
         near: &mut Vec<[u32; 2]>,
@@ -68,7 +68,7 @@ impl Block {
     /// Finds the impacts of unsettled discs with others of this block. Settled discs have none with each other.
     fn find_first_impacts_of(
         &mut self,
-        window: &Window<'_>,
+        window: &TimeWindow<'_>,
         neighbors: &Neighbors,
         unsettled: &[u32],
     ) {
@@ -90,7 +90,7 @@ impl Block {
     /// Finds the impacts of all pairs of discs of this block.
     fn find_first_impacts_inside(
         &mut self,
-        window: &Window<'_>,
+        window: &TimeWindow<'_>,
         neighbors: &Neighbors,
         near: &mut Vec<[u32; 2]>,
     ) {
@@ -110,7 +110,13 @@ impl Block {
     }
 
     /// Takes the impact of two discs, if the first of them belongs to this block.
-    fn test(&mut self, window: &Window<'_>, neighbors: &Neighbors, [a, b]: [u32; 2], code: u32) {
+    fn test(
+        &mut self,
+        window: &TimeWindow<'_>,
+        neighbors: &Neighbors,
+        [a, b]: [u32; 2],
+        code: u32,
+    ) {
         let (pair, code) = match is_reversed(window, [a, b]) {
             Some(true) => ([b, a], opposite(code)),
             _ => ([a, b], code),
@@ -121,7 +127,7 @@ impl Block {
     }
 
     /// Adds an event of a disc of this block.
-    fn take(&mut self, window: &Window<'_>, event: Option<Event>) {
+    fn take(&mut self, window: &TimeWindow<'_>, event: Option<Event>) {
         let Some(event) = event else { return };
         let partner = event.pair[1];
         let is_inside =
@@ -134,7 +140,7 @@ impl Block {
 
 /// Writes the pairs that may meet to `near`, and returns their number.
 fn find_near(
-    window: &Window<'_>,
+    window: &TimeWindow<'_>,
     pairs: &[[u32; 2]],
     image: [f32; 2],
     near: &mut Vec<[u32; 2]>,
@@ -152,7 +158,7 @@ fn find_near(
 }
 
 #[inline(always)]
-fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
+fn may_meet(window: &TimeWindow<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
     let [own, other] = pair.map(|index| &window.now[index as usize]);
     // Operators without branches: the result of each is as good as random in a gas.
     (own.is_movable | other.is_movable)
@@ -162,7 +168,7 @@ fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
 
 /// Whether the impacts of two discs are those of the second with the first: a movable disc comes
 /// first, of two of them that with the smaller index. None if neither is movable.
-fn is_reversed(window: &Window<'_>, [a, b]: [u32; 2]) -> Option<bool> {
+fn is_reversed(window: &TimeWindow<'_>, [a, b]: [u32; 2]) -> Option<bool> {
     match [a, b].map(|index| window.starts[index as usize].is_movable) {
         [true, true] => Some(b < a),
         [true, false] => Some(false),
@@ -172,7 +178,7 @@ fn is_reversed(window: &Window<'_>, [a, b]: [u32; 2]) -> Option<bool> {
 }
 
 fn first_impact(
-    window: &Window<'_>,
+    window: &TimeWindow<'_>,
     neighbors: &Neighbors,
     pair: [u32; 2],
     code: u32,
@@ -181,7 +187,7 @@ fn first_impact(
     if !pair.iter().any(|&disc| window.now[disc as usize].is_movable) {
         return None;
     }
-    let [p, q] = pair.map(|disc| window.segment(disc));
+    let [p, q] = pair.map(|disc| window.piece(disc));
     let image = neighbors.image_of(code);
     // Both have no event in the window yet, so the counts are 0.
     let impact = window.impact((pair[0], &p), (pair[1], &q), image, window.end);

@@ -1,6 +1,6 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
-use super::history::{Carried, Course};
+use super::history::{Carried, Trajectory};
 use super::neighbors::PairList;
 use super::queue::Event;
 use crate::flow::{Flow, Kick};
@@ -10,7 +10,7 @@ use crate::motion::{Motion, Motions, Spins, exact};
 use crate::particles::Particles;
 use crate::tolerance::{COARSE, Tolerance, size_of};
 use crate::trajectory::{
-    Impact, Limits, Relative, Segment, Vector, dot, restitution_at_rest, vector,
+    Impact, Limits, Piece, Relative, Vector, dot, restitution_at_rest, vector,
 };
 use crate::walls::{Around, Contact, number_of};
 use jostle_base::parallel;
@@ -57,7 +57,7 @@ pub struct Start {
     /// Whether gravity accelerates it.
     pub falls: bool,
     /// Whether it certainly has no impact with another settled disc, nor with a side of the container,
-    /// along its first segment: it rests or cannot move, and travels by less than the overlap that is
+    /// along its first piece: it rests or cannot move, and travels by less than the overlap that is
     /// left to the next sub-step.
     pub is_settled: bool,
 }
@@ -117,7 +117,7 @@ pub struct Flight<'a> {
     pub threads: Option<usize>,
 }
 
-impl Window<'_> {
+impl TimeWindow<'_> {
     /// Whether the flight ends with the window.
     pub fn is_last(&self) -> bool {
         self.end == self.flight.end
@@ -129,19 +129,19 @@ impl Window<'_> {
         now.resize(self.starts.len(), Start::default());
         parallel::for_chunks(self.flight.threads, now, |first, now| {
             for (now, index) in now.iter_mut().zip(first..) {
-                let (start, course) = (self.starts[index], self.carried(index as u32));
-                let segment = self.segment(index as u32);
-                let [position, velocity] = segment.at(self.begin, self.gravity());
+                let (start, trajectory) = (self.starts[index], self.carried(index as u32));
+                let piece = self.piece(index as u32);
+                let [position, velocity] = piece.at(self.begin, self.gravity());
                 *now = Start {
                     position: position.map(|v| v as f32),
                     residual: [0.0; 2],
                     velocity: velocity.map(|v| v as f32),
                     // A disc that has ended has no events of its own; two of them need no test.
                     is_movable: start.is_movable
-                        && !course.is_some_and(|course| self.has_ended(course)),
-                    falls: segment.falls,
+                        && !trajectory.is_some_and(|trajectory| self.has_ended(trajectory)),
+                    falls: piece.falls,
                     // After an event nothing is known about the speed any more.
-                    is_settled: start.is_settled && course.is_none(),
+                    is_settled: start.is_settled && trajectory.is_none(),
                     ..start
                 };
             }
@@ -244,7 +244,7 @@ impl Flight<'_> {
 /// to window without rounding, and a prediction is that of the whole flight, left out if it is
 /// later than the window.
 #[derive(Clone, Copy)]
-pub struct Window<'a> {
+pub struct TimeWindow<'a> {
     /// The sub-step.
     pub flight: &'a Flight<'a>,
     /// How the discs begin the flight.
@@ -266,7 +266,7 @@ pub struct Window<'a> {
     pub end: f64,
 }
 
-impl Window<'_> {
+impl TimeWindow<'_> {
     /// Acceleration of falling discs.
     #[inline(always)]
     pub fn gravity(&self) -> Vector {
@@ -275,25 +275,25 @@ impl Window<'_> {
 
     /// What earlier windows have led to, for a disc that had events in them.
     #[inline(always)]
-    pub fn carried(&self, index: u32) -> Option<&Course> {
+    pub fn carried(&self, index: u32) -> Option<&Trajectory> {
         self.carried.get(index)
     }
 
-    /// The segment with which a disc begins the window.
+    /// The piece with which a disc begins the window.
     #[inline(always)]
-    pub fn segment(&self, index: u32) -> Segment {
+    pub fn piece(&self, index: u32) -> Piece {
         match self.carried(index) {
-            Some(course) => course.segment,
+            Some(trajectory) => trajectory.piece,
             None => self.free_segment(index),
         }
     }
 
-    /// The segment with which a disc begins the flight.
+    /// The piece with which a disc begins the flight.
     #[inline(always)]
-    pub fn free_segment(&self, index: u32) -> Segment {
+    pub fn free_segment(&self, index: u32) -> Piece {
         let start = &self.starts[index as usize];
         let is_kicked = !self.flight.kicks.is_empty() && start.is_movable;
-        Segment {
+        Piece {
             time: 0.0,
             position: exact(start.position, start.residual),
             // Not rounded to float32 where forces change it.
@@ -320,22 +320,22 @@ impl Window<'_> {
         }
         let start = &self.starts[index as usize];
         if start.velocity != [0.0; 2] {
-            let segment = self.segment(index);
-            let position = segment.position_at(self.end, self.gravity());
+            let piece = self.piece(index);
+            let position = piece.position_at(self.end, self.gravity());
             let velocity = motions.velocity(index).map(f64::from);
-            motions.advance(index, segment.position, position, velocity);
+            motions.advance(index, piece.position, position, velocity);
         }
         if !spins.is_empty() && !particles.movable[index as usize] {
             self.turn(index, &self.turning(index));
         }
     }
 
-    /// Moves a disc along its last segment to the end of the flight; `stopped` is the velocity that
+    /// Moves a disc along its last piece to the end of the flight; `stopped` is the velocity that
     /// it keeps, if it was exhausted and loses no energy.
     #[inline(always)]
-    pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
+    pub fn move_disc(&self, index: u32, last: &Piece, stopped: Option<Vector>) {
         let Start { position, residual, .. } = self.starts[index as usize];
-        // The position at the end of the flight comes from the last segment in one formula. Steps
+        // The position at the end of the flight comes from the last piece in one formula. Steps
         // from window to window would add a rounding for each.
         let [end, velocity] = last.at(self.end, self.gravity());
         let velocity = stopped.unwrap_or_else(|| self.after(index, last.falls, velocity));
@@ -443,9 +443,9 @@ impl Window<'_> {
         Limits { deep: DEEP * tolerance.size(), deep_tolerance, ..limits }
     }
 
-    /// The limits for a disc and a wall where the disc begins a segment.
+    /// The limits for a disc and a wall where the disc begins a piece.
     #[inline(always)]
-    fn wall_limits(&self, now: &Segment, index: u32, wall: u32) -> Limits {
+    fn wall_limits(&self, now: &Piece, index: u32, wall: u32) -> Limits {
         let start = &self.starts[index as usize];
         let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
         let size = self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
@@ -455,7 +455,7 @@ impl Window<'_> {
 
     /// The limits at each side of the container.
     #[inline(always)]
-    fn side_limits(&self, now: &Segment, index: u32) -> impl Fn(u32) -> Limits {
+    fn side_limits(&self, now: &Piece, index: u32) -> impl Fn(u32) -> Limits {
         let (first, now) = (self.wall_limits(now, index, 0), *now);
         let are_equal = self.flight.walls.walls.has_equal_sides();
         move |side| if are_equal { first } else { self.wall_limits(&now, index, side) }
@@ -472,8 +472,8 @@ impl Window<'_> {
     #[inline(always)]
     pub fn impact(
         &self,
-        (a, first): (u32, &Segment),
-        (b, second): (u32, &Segment),
+        (a, first): (u32, &Piece),
+        (b, second): (u32, &Piece),
         image: Vector,
         until: f64,
     ) -> Option<Impact> {
@@ -485,7 +485,7 @@ impl Window<'_> {
         }
         let contact_distance = self.contact_distance(a, b);
         let limits = || {
-            let at = |segment: &Segment| segment.position_at(relative.start, self.gravity());
+            let at = |piece: &Piece| piece.position_at(relative.start, self.gravity());
             let is_first = first.is_first & second.is_first;
             self.pair_limits([a, b], [at(first), at(second)], is_first)
         };
@@ -503,7 +503,7 @@ impl Window<'_> {
     pub fn wall_event(
         &self,
         index: u32,
-        segment: &Segment,
+        piece: &Piece,
         count: u32,
         skips: &dyn Fn(u32) -> bool,
     ) -> Option<Event> {
@@ -520,12 +520,11 @@ impl Window<'_> {
                 limits
             }
         };
-        let mut hit = self.container_impact(index, segment, &limits);
+        let mut hit = self.container_impact(index, piece, &limits);
         if !self.flight.walls.is_empty() {
-            let other =
-                self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
-                    limits(wall, self.wall_limits(segment, index, wall))
-                });
+            let other = self.flight.walls.impact(index, piece, self.end, self.gravity(), |wall| {
+                limits(wall, self.wall_limits(piece, index, wall))
+            });
             // At equal times the side of the container wins, always, so the result does not depend
             // on the order of tests.
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
@@ -541,29 +540,29 @@ impl Window<'_> {
     fn container_impact(
         &self,
         index: u32,
-        segment: &Segment,
+        piece: &Piece,
         limits: &impl Fn(u32, Limits) -> Limits,
     ) -> Option<(Impact, u32)> {
         let container = &self.flight.walls.container;
         let radius = f64::from(self.starts[index as usize].radius);
         // A reserve of time makes the test safe. The exact formula might round an impact at the end
         // of the window to a moment before it.
-        let span = (self.end - segment.time) * (1.0 + FAR);
-        let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
-        if container.is_far(segment.position, radius, [far(0), far(1)]) {
+        let span = (self.end - piece.time) * (1.0 + FAR);
+        let far = |k: usize| (piece.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
+        if container.is_far(piece.position, radius, [far(0), far(1)]) {
             return None;
         }
-        let of_side = self.side_limits(segment, index);
+        let of_side = self.side_limits(piece, index);
         let limits = |side| limits(side, of_side(side));
-        container.impact(segment, radius, self.flight.gravity, limits)
+        container.impact(piece, radius, self.flight.gravity, limits)
     }
 
-    /// Whether two discs that begin segments now touch, and approach or `all` is true.
+    /// Whether two discs that begin pieces now touch, and approach or `all` is true.
     #[inline(always)]
     pub fn touch_now(
         &self,
-        (a, first): (u32, &Segment),
-        (b, second): (u32, &Segment),
+        (a, first): (u32, &Piece),
+        (b, second): (u32, &Piece),
         image: Vector,
         all: impl Fn() -> bool,
     ) -> bool {
@@ -589,12 +588,12 @@ impl Window<'_> {
         limits.kind(approach / length, 0.0, first.time).is_some() || all()
     }
 
-    /// Calls `act` with each wall that a disc touches as it begins a segment, and that it
+    /// Calls `act` with each wall that a disc touches as it begins a piece, and that it
     /// approaches or `all` is true, and its unit normal. `contacts` is scratch.
     pub fn each_touched_wall(
         &self,
         index: u32,
-        now: &Segment,
+        now: &Piece,
         all: bool,
         contacts: &mut Vec<Contact>,
         mut act: impl FnMut(u32, Vector),
@@ -623,7 +622,7 @@ impl Window<'_> {
     fn each_touched_side(
         &self,
         index: u32,
-        now: &Segment,
+        now: &Piece,
         all: bool,
         act: &mut impl FnMut(u32, Vector),
     ) {
@@ -649,8 +648,8 @@ impl Window<'_> {
         }
     }
 
-    /// Unit normal of a wall where a disc begins a segment, towards the disc.
-    pub fn wall_normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
+    /// Unit normal of a wall where a disc begins a piece, towards the disc.
+    pub fn wall_normal(&self, index: u32, wall: u32, now: &Piece) -> Vector {
         self.flight.walls.normal(index, wall, now)
     }
 
@@ -670,21 +669,21 @@ impl Window<'_> {
     }
 
     /// Square of the longest distance from a position that a disc has while it moves along a
-    /// segment to the end of the window.
+    /// piece to the end of the window.
     #[inline(always)]
-    pub fn longest_square(&self, anchor: Vector, segment: &Segment) -> f64 {
+    pub fn longest_square(&self, anchor: Vector, piece: &Piece) -> f64 {
         let square = |p: Vector| {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)
         };
         // The distance from a point is convex along a straight line, so it is largest at one end.
-        let last = segment.position_at(self.end, self.gravity());
-        let square = square(segment.position).max(square(last));
-        if !segment.falls {
+        let last = piece.position_at(self.end, self.gravity());
+        let square = square(piece.position).max(square(last));
+        if !piece.falls {
             return square;
         }
         // A parabola leaves its chord by at most g t² / 8.
-        let (gravity, t) = (self.gravity(), self.end - segment.time);
+        let (gravity, t) = (self.gravity(), self.end - piece.time);
         let distance = square.sqrt() + 0.125 * dot(gravity, gravity).sqrt() * t * t;
         distance * distance
     }

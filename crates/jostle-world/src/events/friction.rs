@@ -5,10 +5,10 @@
 //! simulation of inelastic, frictional particle-particle interactions*, 1993, with a tangential
 //! restitution of 0). The moment of inertia of a disc is m r²/2.
 
-use super::flight::Window;
+use super::flight::TimeWindow;
 use super::impulses::{MAX_ITERATIONS, TOLERANCE, Touch};
 use super::simulation::Simulation;
-use crate::trajectory::{Segment, Vector, dot, vector};
+use crate::trajectory::{Piece, Vector, dot, vector};
 
 /// The rotation of a disc during a flight.
 #[derive(Clone, Copy, Debug, Default)]
@@ -108,14 +108,14 @@ impl Touch {
 
 /// Scratch.
 #[derive(Debug, Default)]
-pub struct Rubbing {
+pub struct FrictionScratch {
     /// The discs of the group.
     rotors: Vec<Rotor>,
     /// The impulses along the normals before the friction.
     bounced: Vec<f64>,
 }
 
-impl Rubbing {
+impl FrictionScratch {
     /// Changes velocities and surface speeds by the friction of all `touches` after the impulses
     /// along their normals, and makes surfaces that approach because of that stay together. Each of
     /// `impulses` begins as the impulse along the normal, and ends as that and that of friction.
@@ -152,7 +152,7 @@ impl Rubbing {
     }
 }
 
-impl Window<'_> {
+impl TimeWindow<'_> {
     /// The rotation with which a disc begins the window.
     pub fn turning(&self, index: u32) -> Turning {
         if let Some(turning) = self.carried.turning(index) {
@@ -204,30 +204,30 @@ impl Window<'_> {
 }
 
 impl Simulation<'_> {
-    /// The rotation of the disc with the course `number`.
+    /// The rotation of the disc with the trajectory `number`.
     fn rotor(&self, number: u32) -> Rotor {
-        let course = &self.history.courses[number as usize];
-        let radius = self.window.radius(course.index);
+        let trajectory = &self.history.trajectories[number as usize];
+        let radius = self.window.radius(trajectory.index);
         if radius == 0.0 {
             return Rotor { surface_speed: 0.0, softness: 0.0 };
         }
         let velocity = self.history.turnings[number as usize].velocity;
         // r²/I = 2/m for a disc, so the radius does not appear.
-        Rotor { surface_speed: velocity * radius, softness: 2.0 * course.inverse_mass }
+        Rotor { surface_speed: velocity * radius, softness: 2.0 * trajectory.inverse_mass }
     }
 
-    /// Writes the rotation of the disc with the course `number`, if an impact has changed it.
+    /// Writes the rotation of the disc with the trajectory `number`, if an impact has changed it.
     fn set_rotor(&mut self, number: u32, rotor: &Rotor, time: f64) {
         // The speed is written only if it has changed: a product and a quotient with the radius do
         // not return the same bits.
         if rotor.softness > 0.0 && rotor.surface_speed != self.rotor(number).surface_speed {
-            let radius = self.window.radius(self.history.courses[number as usize].index);
+            let radius = self.window.radius(self.history.trajectories[number as usize].index);
             let velocity = rotor.surface_speed / radius;
             self.history.turnings[number as usize].change(velocity, time);
         }
     }
 
-    /// Lets friction change the velocities of the discs with the courses `numbers` and their
+    /// Lets friction change the velocities of the discs with the trajectories `numbers` and their
     /// [`Rotor`]s, after the impulses of `touches` along their normals.
     pub(super) fn rub(
         &mut self,
@@ -235,17 +235,17 @@ impl Simulation<'_> {
         numbers: impl Iterator<Item = u32>,
         velocities: &mut [Vector],
     ) {
-        let mut rubbing = std::mem::take(&mut self.scratch.rubbing);
-        rubbing.rotors.clear();
-        rubbing.rotors.extend(numbers.map(|number| self.rotor(number)));
-        rubbing.run(touches, velocities, &mut self.scratch.impulses);
-        self.scratch.rubbing = rubbing;
+        let mut friction_scratch = std::mem::take(&mut self.scratch.friction_scratch);
+        friction_scratch.rotors.clear();
+        friction_scratch.rotors.extend(numbers.map(|number| self.rotor(number)));
+        friction_scratch.run(touches, velocities, &mut self.scratch.impulses);
+        self.scratch.friction_scratch = friction_scratch;
     }
 
     /// Writes the rotations after [`Simulation::rub`].
     pub(super) fn set_rotors(&mut self, numbers: impl Iterator<Item = u32>, time: f64) {
         for (position, number) in numbers.enumerate() {
-            let rotor = self.scratch.rubbing.rotors[position];
+            let rotor = self.scratch.friction_scratch.rotors[position];
             self.set_rotor(number, &rotor, time);
         }
     }
@@ -269,7 +269,7 @@ impl Simulation<'_> {
     pub(super) fn brake(
         &mut self,
         number: u32,
-        segment: &mut Segment,
+        piece: &mut Piece,
         touch: &Touch,
         is_second: bool,
         pressing: f64,
@@ -281,15 +281,15 @@ impl Simulation<'_> {
         let side = if is_second { 1.0 } else { -1.0 };
         let tangent = touch.tangent();
         let carried = dot(tangent, touch.carried) - touch.carried_turning;
-        let own = dot(tangent, segment.velocity) - side * rotor.surface_speed;
+        let own = dot(tangent, piece.velocity) - side * rotor.surface_speed;
         let sliding = own + side * carried;
         // Gravity presses for the rest of the flight, and friction acts for the same time at once,
         // as `hold` does with gravity.
         let most = touch.friction * pressing;
         let change = (-sliding / softness).max(-most).min(most);
-        segment.velocity = vector(|k| segment.velocity[k] + tangent[k] * change);
+        piece.velocity = vector(|k| piece.velocity[k] + tangent[k] * change);
         rotor.surface_speed -= side * change * (softness - 1.0);
-        self.set_rotor(number, &rotor, segment.time);
+        self.set_rotor(number, &rotor, piece.time);
         side * change
     }
 }

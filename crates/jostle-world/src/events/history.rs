@@ -4,14 +4,14 @@ use std::cmp::Ordering;
 
 use super::Outside;
 use super::friction::Turning;
-use crate::trajectory::{Segment, Vector};
+use crate::trajectory::{Piece, Vector};
 
-/// Stands for no course and for no segment.
+/// Stands for no trajectory and for no piece.
 pub const NONE: u32 = u32::MAX;
 
 /// The trajectory of a disc that has events.
 #[derive(Clone, Copy, Debug)]
-pub struct Course {
+pub struct Trajectory {
     /// The disc.
     pub index: u32,
     /// The number of its events in the window.
@@ -21,18 +21,18 @@ pub struct Course {
     /// How far it has moved in these, from event to event: the sum of the distances along both
     /// axes.
     pub travelled: f32,
-    /// The segment that it is on, in the end its last one.
-    pub segment: Segment,
-    /// The segment before, in the history's list; [`NONE`] if there is none.
+    /// The piece that it is on, in the end its last one.
+    pub piece: Piece,
+    /// The piece before, in the history's list; [`NONE`] if there is none.
     pub before: u32,
     /// One over the mass.
     pub inverse_mass: f64,
     /// Its position in the group plus one, while discs collide.
     pub in_group: u32,
-    /// The parent in the disjoint-set forest: a course of the same island, or itself for the
+    /// The parent in the disjoint-set forest: a trajectory of the same island, or itself for the
     /// representative.
     pub island: u32,
-    /// The next course of the island; the last one is followed by the first.
+    /// The next trajectory of the island; the last one is followed by the first.
     pub next: u32,
     /// Whether the disc was exhausted in the step.
     pub is_exhausted: bool,
@@ -53,8 +53,8 @@ pub struct Bounce {
     pub code: u32,
     /// The impulses along the normal and of friction.
     pub impulses: [f32; 2],
-    /// The course of one of the discs.
-    pub course: u32,
+    /// The trajectory of one of the discs.
+    pub trajectory: u32,
 }
 
 impl Bounce {
@@ -85,96 +85,98 @@ pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) {
     }
 }
 
-/// The courses of some discs.
+/// The trajectories of some discs.
 #[derive(Debug, Default)]
 pub struct History {
     /// One for each disc that had an event, and for those that were simulated again.
-    pub courses: Vec<Course>,
+    pub trajectories: Vec<Trajectory>,
     /// The rotation of each of them; empty if no disc has friction.
     pub turnings: Vec<Turning>,
-    /// Segments that ended with an event, and the segments before them.
-    pub ended: Vec<(Segment, u32)>,
+    /// Pieces that ended with an event, and the pieces before them.
+    pub ended: Vec<(Piece, u32)>,
     /// The pairs that bounced.
     pub bounces: Vec<Bounce>,
     /// Discs that leave their bounds.
     pub outside: Vec<Outside>,
-    /// The courses of discs that were exhausted.
-    pub exhausted_courses: Vec<u32>,
-    /// The courses of discs whose collisions became elastic, because they had many.
+    /// The trajectories of discs that were exhausted.
+    pub exhausted_trajectories: Vec<u32>,
+    /// The trajectories of discs whose collisions became elastic, because they had many.
     pub collapsed: Vec<u32>,
-    /// Whether courses were removed from `course_of`, because their discs are simulated again.
+    /// Whether trajectories were removed from `trajectory_of`, because their discs are simulated again.
     pub has_removed: bool,
     /// Discs that were exhausted; written by [`History::retain`].
     pub exhausted: Vec<u32>,
 }
 
 impl History {
-    /// Forgets all courses.
+    /// Forgets all trajectories.
     pub fn clear(&mut self) {
-        self.courses.clear();
+        self.trajectories.clear();
         self.turnings.clear();
         self.ended.clear();
         self.bounces.clear();
         self.outside.clear();
-        self.exhausted_courses.clear();
+        self.exhausted_trajectories.clear();
         self.collapsed.clear();
         self.has_removed = false;
         self.exhausted.clear();
     }
 
-    /// Keeps what belongs to courses that are still valid, and lists the exhausted discs.
-    /// `mark` is added to the numbers of these courses in `course_of`.
-    pub fn retain(&mut self, mark: u32, course_of: &[u32]) {
-        let courses = &self.courses;
-        let is_valid =
-            |number: u32| course_of[courses[number as usize].index as usize] == mark | number;
-        // Bounces of discarded courses must not count. Impulses are sums over the history that
+    /// Keeps what belongs to trajectories that are still valid, and lists the exhausted discs.
+    /// `mark` is added to the numbers of these trajectories in `trajectory_of`.
+    pub fn retain(&mut self, mark: u32, trajectory_of: &[u32]) {
+        let trajectories = &self.trajectories;
+        let is_valid = |number: u32| {
+            trajectory_of[trajectories[number as usize].index as usize] == mark | number
+        };
+        // Bounces of discarded trajectories must not count. Impulses are sums over the history that
         // holds, and not over guesses.
         if self.has_removed {
-            // The disc of the course is one of the two. Bounces are sorted by their discs, so this reads
-            // `course_of` in order, and no course.
-            self.bounces.retain(|&Bounce { pair, course, .. }| {
-                pair.iter().any(|&disc| course_of.get(disc as usize) == Some(&(mark | course)))
+            // The disc of the trajectory is one of the two. Bounces are sorted by their discs, so this reads
+            // `trajectory_of` in order, and no trajectory.
+            self.bounces.retain(|&Bounce { pair, trajectory, .. }| {
+                pair.iter()
+                    .any(|&disc| trajectory_of.get(disc as usize) == Some(&(mark | trajectory)))
             });
         }
         self.collapsed.retain(|&number| is_valid(number));
-        let exhausted = self.exhausted_courses.iter().filter(|&&number| is_valid(number));
-        self.exhausted.extend(exhausted.map(|&number| courses[number as usize].index));
+        let exhausted = self.exhausted_trajectories.iter().filter(|&&number| is_valid(number));
+        self.exhausted.extend(exhausted.map(|&number| trajectories[number as usize].index));
     }
 
-    /// The course that stands for the island of a course.
+    /// The trajectory that stands for the island of a trajectory.
     fn island(&mut self, mut number: u32) -> u32 {
-        while self.courses[number as usize].island != number {
-            let next = self.courses[number as usize].island;
+        while self.trajectories[number as usize].island != number {
+            let next = self.trajectories[number as usize].island;
             // Path halving keeps the trees flat without a second pass (R. E. Tarjan, J. van
             // Leeuwen, 1984).
-            self.courses[number as usize].island = self.courses[next as usize].island;
+            self.trajectories[number as usize].island = self.trajectories[next as usize].island;
             number = next;
         }
         number
     }
 
-    /// Makes one island of those of two courses.
+    /// Makes one island of those of two trajectories.
     pub fn connect(&mut self, number: u32, other: u32) {
         let [island, other] = [number, other].map(|number| self.island(number));
         if island == other {
             return;
         }
-        self.courses[other as usize].island = island;
+        self.trajectories[other as usize].island = island;
         // The members of an island are a ring. To exchange the successors of two members of
         // different rings makes one ring of both. In the same ring it would make two, hence the
         // test above.
-        let [next, others] = [island, other].map(|number| self.courses[number as usize].next);
-        self.courses[island as usize].next = others;
-        self.courses[other as usize].next = next;
+        let [next, others] = [island, other].map(|number| self.trajectories[number as usize].next);
+        self.trajectories[island as usize].next = others;
+        self.trajectories[other as usize].next = next;
     }
 
-    /// Calls `act` with the number of each course of an island.
+    /// Calls `act` with the number of each trajectory of an island.
     pub fn each_of_island(&self, number: u32, mut act: impl FnMut(u32)) {
         let mut at = number;
         loop {
             act(at);
-            at = self.courses[at as usize].next;
+            at = self.trajectories[at as usize].next;
             if at == number {
                 return;
             }
@@ -185,9 +187,9 @@ impl History {
 /// The discs that had events in earlier windows of a flight, and how they continue.
 #[derive(Debug, Default)]
 pub struct Carried {
-    /// The number of the course of each disc, [`NONE`] if it had no events; empty if none had any.
+    /// The number of the trajectory of each disc, [`NONE`] if it had no events; empty if none had any.
     numbers: Vec<u32>,
-    courses: Vec<Course>,
+    trajectories: Vec<Trajectory>,
     /// The rotation of each of them; empty if no disc has friction.
     turnings: Vec<Turning>,
 }
@@ -196,15 +198,15 @@ impl Carried {
     /// Begins a flight.
     pub fn clear(&mut self) {
         self.numbers.clear();
-        self.courses.clear();
+        self.trajectories.clear();
         self.turnings.clear();
     }
 
-    /// The course of a disc that had events.
+    /// The trajectory of a disc that had events.
     #[inline(always)]
-    pub fn get(&self, index: u32) -> Option<&Course> {
+    pub fn get(&self, index: u32) -> Option<&Trajectory> {
         let &number = self.numbers.get(index as usize)?;
-        self.courses.get(number as usize)
+        self.trajectories.get(number as usize)
     }
 
     /// The rotation of a disc that had events, if any disc has friction.
@@ -213,65 +215,65 @@ impl Carried {
         self.turnings.get(number as usize)
     }
 
-    /// Takes the courses with events of a window of `len` discs. `mark` is added to the numbers of
-    /// valid courses in `course_of`.
-    pub fn take(&mut self, history: &History, mark: u32, course_of: &[u32]) {
-        let Self { numbers, courses, turnings } = self;
-        numbers.resize(course_of.len(), NONE);
-        for (number, course) in (0..).zip(&history.courses) {
-            let index = course.index as usize;
-            // A course without events says nothing that the first segment does not.
-            if course_of[index] != mark | number || course.count == 0 {
+    /// Takes the trajectories with events of a window of `len` discs. `mark` is added to the numbers of
+    /// valid trajectories in `trajectory_of`.
+    pub fn take(&mut self, history: &History, mark: u32, trajectory_of: &[u32]) {
+        let Self { numbers, trajectories, turnings } = self;
+        numbers.resize(trajectory_of.len(), NONE);
+        for (number, trajectory) in (0..).zip(&history.trajectories) {
+            let index = trajectory.index as usize;
+            // A trajectory without events says nothing that the first piece does not.
+            if trajectory_of[index] != mark | number || trajectory.count == 0 {
                 continue;
             }
             let known = numbers[index] as usize;
             let turning = history.turnings.get(number as usize);
-            // `NONE` is larger than each number of a course, so one comparison tests both.
-            if known < courses.len() {
-                courses[known] = *course;
+            // `NONE` is larger than each number of a trajectory, so one comparison tests both.
+            if known < trajectories.len() {
+                trajectories[known] = *trajectory;
                 turning.into_iter().for_each(|turning| turnings[known] = *turning);
             } else {
-                numbers[index] = courses.len() as u32;
-                courses.push(*course);
+                numbers[index] = trajectories.len() as u32;
+                trajectories.push(*trajectory);
                 turnings.extend(turning);
             }
         }
     }
 }
 
-/// The segments of a disc, the last one first.
+/// The pieces of a disc, the last one first.
 #[derive(Clone, Debug)]
-pub struct Trajectory<'a> {
-    ended: &'a [(Segment, u32)],
-    next: Option<(Segment, u32)>,
+pub struct Pieces<'a> {
+    ended: &'a [(Piece, u32)],
+    next: Option<(Piece, u32)>,
     end: f64,
     is_last: bool,
 }
 
-impl<'a> Trajectory<'a> {
+impl<'a> Pieces<'a> {
     /// The trajectory of a disc without events.
-    pub fn free(segment: Segment, end: f64) -> Self {
-        Self { ended: &[], next: Some((segment, NONE)), end, is_last: true }
+    pub fn free(piece: Piece, end: f64) -> Self {
+        Self { ended: &[], next: Some((piece, NONE)), end, is_last: true }
     }
 
-    /// Leaves out the segments that begin after `time`.
+    /// Leaves out the pieces that begin after `time`.
     pub fn skip_after(&mut self, time: f64) {
-        while self.next.is_some_and(|(segment, _)| segment.time > time) {
+        while self.next.is_some_and(|(piece, _)| piece.time > time) {
             self.next();
         }
     }
 
     /// The trajectory of a disc with events.
-    pub fn of(history: &'a History, course: &Course, end: f64) -> Self {
-        let next = Some((course.segment, course.before));
+    pub fn of(history: &'a History, trajectory: &Trajectory, end: f64) -> Self {
+        let next = Some((trajectory.piece, trajectory.before));
         Self { ended: &history.ended, next, end, is_last: true }
     }
 }
 
-/// A segment of a trajectory.
-pub struct Part {
-    /// The segment.
-    pub segment: Segment,
+/// A piece of a trajectory.
+pub struct TimedPiece {
+    /// The piece.
+    pub piece: Piece,
     /// When it ends.
     pub end: f64,
     /// Whether it is the first.
@@ -280,16 +282,16 @@ pub struct Part {
     pub is_last: bool,
 }
 
-impl Iterator for Trajectory<'_> {
-    type Item = Part;
+impl Iterator for Pieces<'_> {
+    type Item = TimedPiece;
 
-    fn next(&mut self) -> Option<Part> {
-        let (segment, before) = self.next?;
+    fn next(&mut self) -> Option<TimedPiece> {
+        let (piece, before) = self.next?;
         // `NONE` is beyond the end of the list, so `get` ends the chain.
         self.next = self.ended.get(before as usize).copied();
         let is_last = std::mem::take(&mut self.is_last);
-        let part = Part { segment, end: self.end, is_first: before == NONE, is_last };
-        self.end = segment.time;
+        let part = TimedPiece { piece, end: self.end, is_first: before == NONE, is_last };
+        self.end = piece.time;
         Some(part)
     }
 }

@@ -33,12 +33,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::motion::Motion;
 use block::{Arguments, Block};
 use bounds::find_outside_at_start;
-pub use bounds::{Bounds, Candidates, Outside};
+pub use bounds::{Candidates, Outside, SweptBounds};
 use conflicts::AGAIN;
-use flight::Window;
+use flight::TimeWindow;
 pub use flight::{Flight, Start};
 pub use history::Bounce;
-use history::{Carried, Course, History, NONE, Trajectory};
+use history::{Carried, History, NONE, Pieces, Trajectory};
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::{self, Stop};
 use jostle_base::parallel::{self, locked};
@@ -96,10 +96,10 @@ pub struct Events {
     blocks: Vec<Block>,
     /// Discs of each block but the last.
     size: usize,
-    /// The number of the course of each disc: in the history of its block, or in that of the discs
+    /// The number of the trajectory of each disc: in the history of its block, or in that of the discs
     /// that were simulated again, if it has the mark [`AGAIN`].
-    course_of: Vec<u32>,
-    /// The courses of discs that were simulated again.
+    trajectory_of: Vec<u32>,
+    /// The trajectories of discs that were simulated again.
     again: History,
     scratch: Mutex<Vec<Scratch>>,
     outside: Vec<Outside>,
@@ -121,7 +121,7 @@ pub struct Events {
 
 impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
-    pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
+    pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn SweptBounds) -> Result<()> {
         // The lists are taken out of `self`, because windows borrow them while `self` changes. They
         // are put back at the end, so that their memory is reused in the next sub-step.
         let mut starts = std::mem::take(&mut self.starts);
@@ -148,7 +148,7 @@ impl Events {
             // The window is described with the state at its beginning. Nothing in it is rounded
             // between windows: trajectories continue from `carried` in float64. So the schedule of
             // windows does not change a result.
-            let mut window = Window {
+            let mut window = TimeWindow {
                 flight,
                 starts: &starts,
                 exhausted: &before,
@@ -207,8 +207,8 @@ impl Events {
     /// how many seconds all processes have made them.
     fn renew(
         &mut self,
-        window: &Window<'_>,
-        bounds: &mut dyn Bounds,
+        window: &TimeWindow<'_>,
+        bounds: &mut dyn SweptBounds,
         candidates: &mut Candidates,
         anchors: &mut Vec<[f32; 2]>,
     ) -> Result<f64> {
@@ -237,11 +237,11 @@ impl Events {
     /// Moves all discs to the end of the window, or of a shorter one, and returns its end.
     fn simulate_window(
         &mut self,
-        mut window: Window<'_>,
-        bounds: &mut dyn Bounds,
+        mut window: TimeWindow<'_>,
+        bounds: &mut dyn SweptBounds,
         shortest: f64,
     ) -> Result<f64> {
-        // A window has five parts. First, each block finds the impacts along the first segments.
+        // A window has five parts. First, each block finds the impacts along the first pieces.
         // Then these decide how long the window is. Each block is then simulated by itself. After
         // that, conflicts between blocks are resolved. At last the results are collected.
         // The second part needs the impacts of all blocks, so it is a barrier between two parallel
@@ -255,7 +255,7 @@ impl Events {
         self.sensed_near.retain(|near| near.lasts);
         if !window.flight.bounded || window.begin > 0.0 || window.anchors.is_some() {
             // Bounds grow before the first impacts are searched: these must include all discs that
-            // a first segment can reach. In the first window they hold by construction if `bounded`
+            // a first piece can reach. In the first window they hold by construction if `bounded`
             // says so.
             find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
             self.grow(&window, bounds)?;
@@ -288,8 +288,8 @@ impl Events {
         window.end = end;
         self.each_block(&window, reaches, |block, mut arguments| {
             if is_shorter {
-                // The courses refer to events after the new end, so none of them is valid.
-                arguments.course_of.fill(NONE);
+                // The trajectories refer to events after the new end, so none of them is valid.
+                arguments.trajectory_of.fill(NONE);
                 block.shorten(&window);
             }
             if !block.is_simulated {
@@ -313,9 +313,9 @@ impl Events {
     /// Lets the discs that had events in a window continue from there in the next.
     fn carry_over(&self, carried: &mut Carried) {
         for block in &self.blocks {
-            carried.take(&block.history, 0, &self.course_of);
+            carried.take(&block.history, 0, &self.trajectory_of);
         }
-        carried.take(&self.again, AGAIN, &self.course_of);
+        carried.take(&self.again, AGAIN, &self.trajectory_of);
     }
 
     /// Begins a part of a step of `len` discs: clears its results.
@@ -354,22 +354,22 @@ impl Events {
         for (number, (block, start)) in self.blocks.iter_mut().zip(starts).enumerate() {
             block.begin_window(number, start..(len as u32).min(start + self.size as u32));
         }
-        self.course_of.clear();
-        self.course_of.resize(len, NONE);
+        self.trajectory_of.clear();
+        self.trajectory_of.resize(len, NONE);
     }
 
     /// Calls `act` with each block and the arguments to simulate it by itself.
     fn each_block(
         &mut self,
-        window: &Window<'_>,
+        window: &TimeWindow<'_>,
         reaches: &[f32],
         act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
     ) {
-        // `course_of` is divided into one part for each block, so that no two threads can write to
+        // `trajectory_of` is divided into one part for each block, so that no two threads can write to
         // the same part. The borrow checker proves this; no lock is needed.
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
-        let blocks = self.blocks.iter_mut().zip(self.course_of.chunks_mut(self.size));
-        parallel::for_each(window.flight.threads, blocks, |(block, course_of)| {
+        let blocks = self.blocks.iter_mut().zip(self.trajectory_of.chunks_mut(self.size));
+        parallel::for_each(window.flight.threads, blocks, |(block, trajectory_of)| {
             // The caller returns an error after an interruption and discards all histories. So
             // blocks that have not begun may be left out.
             if stop.is_set() {
@@ -381,39 +381,39 @@ impl Events {
             let (scratch_of, stop) = (&mut scratch, &stop);
             act(
                 block,
-                Arguments { window, neighbors, course_of, reaches, stop, scratch: scratch_of },
+                Arguments { window, neighbors, trajectory_of, reaches, stop, scratch: scratch_of },
             );
             locked(pool).push(scratch);
         });
     }
 
     /// The trajectory of a disc.
-    fn trajectory(&self, window: &Window<'_>, index: u32) -> Trajectory<'_> {
-        match self.course(index) {
-            None => Trajectory::free(window.segment(index), window.end),
-            Some((history, course)) => Trajectory::of(history, course, window.end),
+    fn pieces(&self, window: &TimeWindow<'_>, index: u32) -> Pieces<'_> {
+        match self.trajectory(index) {
+            None => Pieces::free(window.piece(index), window.end),
+            Some((history, trajectory)) => Pieces::of(history, trajectory, window.end),
         }
     }
 
-    /// The course of a disc and its history, if it has one. A disc that was simulated again may have one
+    /// The trajectory of a disc and its history, if it has one. A disc that was simulated again may have one
     /// without events.
-    fn course(&self, index: u32) -> Option<(&History, &Course)> {
-        let number = self.course_of[index as usize];
+    fn trajectory(&self, index: u32) -> Option<(&History, &Trajectory)> {
+        let number = self.trajectory_of[index as usize];
         if number == NONE {
             return None;
         }
-        // The highest bit of the number tells in which list the course is. One array for all discs
-        // is enough then, and a disc has exactly one valid course.
+        // The highest bit of the number tells in which list the trajectory is. One array for all discs
+        // is enough then, and a disc has exactly one valid trajectory.
         let history = match number & AGAIN {
             0 => &self.blocks[index as usize / self.size].history,
             _ => &self.again,
         };
-        Some((history, &history.courses[(number & !AGAIN) as usize]))
+        Some((history, &history.trajectories[(number & !AGAIN) as usize]))
     }
 
     /// Writes positions, velocities and displacements at the end of the flight.
-    fn finish(&mut self, window: &Window<'_>) {
-        let (course_of, again) = (&self.course_of, &self.again);
+    fn finish(&mut self, window: &TimeWindow<'_>) {
+        let (trajectory_of, again) = (&self.trajectory_of, &self.again);
         let is_moved = window.flight.keeps_starts();
         let turns = !window.flight.spins.is_empty();
         parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
@@ -421,11 +421,11 @@ impl Events {
             // were in the cache. See `Block::simulate`.
             if !is_moved {
                 let range = block.range.start as usize..block.range.end as usize;
-                block.move_discs(window, &course_of[range]);
+                block.move_discs(window, &trajectory_of[range]);
             }
             for index in block.range.clone().filter(|_| turns) {
                 if window.starts[index as usize].is_movable {
-                    let number = course_of[index as usize];
+                    let number = trajectory_of[index as usize];
                     let history = if number & AGAIN != 0 { again } else { &block.history };
                     // `NONE` has the mark, too, and its number is beyond the end of each list.
                     // Then nothing is found, and the disc turns as it did.
@@ -435,26 +435,26 @@ impl Events {
                 }
             }
         });
-        for (number, course) in (0..).zip(&again.courses) {
-            // A disc may have been simulated again several times. Only the course that `course_of`
+        for (number, trajectory) in (0..).zip(&again.trajectories) {
+            // A disc may have been simulated again several times. Only the trajectory that `trajectory_of`
             // names is valid.
-            if course_of[course.index as usize] == AGAIN | number {
-                window.move_disc(course.index, &course.segment, course.stopped);
+            if trajectory_of[trajectory.index as usize] == AGAIN | number {
+                window.move_disc(trajectory.index, &trajectory.piece, trajectory.stopped);
             }
         }
     }
 
-    /// Takes what belongs to valid courses.
-    fn collect(&mut self, window: &Window<'_>) {
-        let course_of = &self.course_of;
+    /// Takes what belongs to valid trajectories.
+    fn collect(&mut self, window: &TimeWindow<'_>) {
+        let trajectory_of = &self.trajectory_of;
         let halo = window.flight.halo;
-        // Only valid courses are counted. Events of histories that were discarded are not a
+        // Only valid trajectories are counted. Events of histories that were discarded are not a
         // property of the state, and depend on blocks.
-        let count = |counts: &mut u32, course: &Course| {
-            *counts += course.count;
+        let count = |counts: &mut u32, trajectory: &Trajectory| {
+            *counts += trajectory.count;
             // Ghosts do not count: their owner decides about them, so that all processes refuse the
             // same steps.
-            if *counts > MAX_COLLISIONS && halo.owns(course.index) {
+            if *counts > MAX_COLLISIONS && halo.owns(trajectory.index) {
                 // Relaxed: the flag only becomes true, and nothing else is read by its value. The
                 // end of the region makes it visible to the caller.
                 self.has_too_many.store(true, Ordering::Relaxed);
@@ -462,24 +462,24 @@ impl Events {
         };
         let blocks = self.blocks.iter_mut().zip(self.counts.chunks_mut(self.size));
         parallel::for_each(window.flight.threads, blocks, |(block, counts)| {
-            for (number, course) in (0..).zip(&block.history.courses) {
-                if course_of[course.index as usize] == number {
-                    count(&mut counts[(course.index - block.range.start) as usize], course);
+            for (number, trajectory) in (0..).zip(&block.history.trajectories) {
+                if trajectory_of[trajectory.index as usize] == number {
+                    count(&mut counts[(trajectory.index - block.range.start) as usize], trajectory);
                 }
             }
-            block.history.retain(0, course_of);
+            block.history.retain(0, trajectory_of);
         });
-        for (number, course) in (0..).zip(&self.again.courses) {
-            if course_of[course.index as usize] == AGAIN | number {
-                count(&mut self.counts[course.index as usize], course);
+        for (number, trajectory) in (0..).zip(&self.again.trajectories) {
+            if trajectory_of[trajectory.index as usize] == AGAIN | number {
+                count(&mut self.counts[trajectory.index as usize], trajectory);
             }
         }
-        self.again.retain(AGAIN, course_of);
+        self.again.retain(AGAIN, trajectory_of);
         // The exhausted discs are sorted when the sub-step ends, and the collapsed ones are only
         // counted. So the order of these lists does not matter.
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.exhausted.extend(&history.exhausted);
-            let index = |&number: &u32| history.courses[number as usize].index;
+            let index = |&number: &u32| history.trajectories[number as usize].index;
             self.collapsed.extend(history.collapsed.iter().map(index));
         }
         // Those of one window are sorted, for the most part.

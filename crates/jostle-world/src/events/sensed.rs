@@ -1,8 +1,8 @@
 //! Pairs that pass through each other: which of them touch.
 
 use super::Events;
-use super::flight::Window;
-use super::history::Part;
+use super::flight::TimeWindow;
+use super::history::TimedPiece;
 use crate::trajectory::{Relative, Vector};
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel;
@@ -13,7 +13,7 @@ const PAIRS: usize = 4096;
 impl Events {
     /// Appends the pairs that touch along their trajectories in the window, of those that pass
     /// through each other.
-    pub(super) fn find_sensed(&mut self, window: &Window<'_>) {
+    pub(super) fn find_sensed(&mut self, window: &TimeWindow<'_>) {
         // Those of renewed bounds are in another list.
         let sensed = if window.anchors.is_some() { &[] } else { window.flight.sensed };
         let is_any = sensed.iter().any(|(_, pairs)| !pairs.is_empty());
@@ -47,14 +47,14 @@ impl Events {
     }
 
     /// Whether two discs may touch, and their trajectories come so near each other that their surfaces touch.
-    fn pass(&self, window: &Window<'_>, pair: [u32; 2], image: Vector) -> bool {
+    fn pass(&self, window: &TimeWindow<'_>, pair: [u32; 2], image: Vector) -> bool {
         let [a, b] = pair.map(|index| index as usize);
         if !window.flight.particles.may_touch(a, b) {
             return false;
         }
         let contact_distance = window.contact_distance(pair[0], pair[1]);
-        self.any_at_once(window, pair, |own: &Part, other: &Part| {
-            let both = Relative::of(&own.segment, &other.segment, image, window.gravity());
+        self.any_at_once(window, pair, |own: &TimedPiece, other: &TimedPiece| {
+            let both = Relative::of(&own.piece, &other.piece, image, window.gravity());
             // Sensors touch also if they separate, so there is no limit for slow approaches.
             both.touches(contact_distance, own.end.min(other.end))
         })
@@ -62,7 +62,7 @@ impl Events {
 
     /// Moves the pairs that pass through each other from those near each other in larger bounds to
     /// those to be tested for touching.
-    pub(super) fn take_sensed(&mut self, window: &Window<'_>) {
+    pub(super) fn take_sensed(&mut self, window: &TimeWindow<'_>) {
         let particles = window.flight.particles;
         let all_pass = !window.flight.pairs;
         if !all_pass && particles.sensors.is_empty() {

@@ -2,7 +2,7 @@
 //! whether they have computed the same, and windows of the same length in all of them.
 
 use super::Events;
-use super::flight::Window;
+use super::flight::TimeWindow;
 use super::window::most_impacts;
 use crate::halo::{digest, digest_all};
 use jostle_base::error::Result;
@@ -13,7 +13,11 @@ const LENGTHS: usize = 11;
 impl Events {
     /// As [`Events::end_of_window`], from the impacts of all processes. The impact of two discs is
     /// counted by the process of the first.
-    pub(super) fn end_of_window_of_all(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
+    pub(super) fn end_of_window_of_all(
+        &self,
+        window: &TimeWindow<'_>,
+        shortest: f64,
+    ) -> Result<f64> {
         let halo = window.flight.halo;
         // The ends of all possible windows are tested at once: one message between the processes
         // instead of one for each halving.
@@ -43,7 +47,7 @@ impl Events {
 
     /// Adds the trajectories in the window to the hashes, and finds which ghosts may meet discs of
     /// this process.
-    pub(super) fn digest_shared(&mut self, window: &Window<'_>) {
+    pub(super) fn digest_shared(&mut self, window: &TimeWindow<'_>) {
         let halo = window.flight.halo;
         if halo.is_alone() {
             return;
@@ -66,20 +70,22 @@ impl Events {
 
     /// A hash of `hash` and the trajectory of a disc. Without events and kicks it follows from its start,
     /// which is the same on all processes.
-    fn digest_of(&self, window: &Window<'_>, index: u32, hash: u64) -> u64 {
-        // A disc that a process has simulated again may have a course without events there.
-        let course = self.course(index).filter(|(_, course)| course.count > 0);
-        if course.is_none() && window.flight.kicks.is_empty() {
+    fn digest_of(&self, window: &TimeWindow<'_>, index: u32, hash: u64) -> u64 {
+        // A disc that a process has simulated again may have a trajectory without events there.
+        let trajectory = self.trajectory(index).filter(|(_, trajectory)| trajectory.count > 0);
+        if trajectory.is_none() && window.flight.kicks.is_empty() {
             return hash;
         }
-        let parts = self.trajectory(window, index).flat_map(|part| {
-            let [position, velocity] = [part.segment.position, part.segment.velocity];
-            [part.segment.time, position[0], position[1], velocity[0], velocity[1]]
+        let parts = self.pieces(window, index).flat_map(|part| {
+            let [position, velocity] = [part.piece.position, part.piece.velocity];
+            [part.piece.time, position[0], position[1], velocity[0], velocity[1]]
         });
         let hash = digest_all(hash, parts);
-        match course {
+        match trajectory {
             None => hash,
-            Some((_, course)) => digest(hash, course.groups ^ u64::from(course.is_exhausted)),
+            Some((_, trajectory)) => {
+                digest(hash, trajectory.groups ^ u64::from(trajectory.is_exhausted))
+            }
         }
     }
 }

@@ -1,21 +1,21 @@
 //! The events of some discs in the order of time.
 //!
 //! A queue gives the earliest event. The two discs and all that touch them at that moment get new
-//! velocities at once; then their next impacts are predicted. Predictions depend on the segments
+//! velocities at once; then their next impacts are predicted. Predictions depend on the pieces
 //! of two discs only, so the history does not depend on which other discs are simulated together.
 
 use std::ops::Range;
 
 use super::exhaustion::approaches_still;
-use super::flight::Window;
-use super::friction::Rubbing;
-use super::history::{Bounce, Course, History, NONE};
+use super::flight::TimeWindow;
+use super::friction::FrictionScratch;
+use super::history::{Bounce, History, NONE, Trajectory};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
 use super::{MAX_COLLISIONS, Outside};
 use crate::halo::{digest, digest_all};
-use crate::trajectory::{Kind, Segment, Vector, dot, vector};
+use crate::trajectory::{Kind, Piece, Vector, dot, vector};
 use crate::walls::Contact;
 use jostle_base::interrupt::Stop;
 
@@ -27,12 +27,12 @@ const POLL_EVERY: usize = 256;
 #[derive(Clone, Debug)]
 pub(super) struct InGroup {
     pub(super) index: u32,
-    /// The number of its course.
+    /// The number of its trajectory.
     pub(super) number: u32,
     /// Whether its contacts are solved jointly, see [`exhaustion`](super::exhaustion).
     pub(super) is_joint: bool,
-    /// The segment that begins now, with the velocity before the impacts.
-    now: Segment,
+    /// The piece that begins now, with the velocity before the impacts.
+    now: Piece,
     /// Which of the list of nearby discs are near it.
     near: Range<usize>,
 }
@@ -41,13 +41,13 @@ pub(super) struct InGroup {
 #[derive(Clone, Copy, Debug)]
 struct Nearby {
     index: u32,
-    /// The number of its course; [`NONE`] if it has none.
+    /// The number of its trajectory; [`NONE`] if it has none.
     number: u32,
     image: u32,
     /// The number of its events.
     count: u32,
-    /// A segment that begins now.
-    now: Segment,
+    /// A piece that begins now.
+    now: Piece,
 }
 
 /// Scratch of a simulation.
@@ -55,16 +55,16 @@ struct Nearby {
 pub struct Scratch {
     pub(super) queue: Queue,
     pub(super) predicted: Vec<Event>,
-    /// Pairs that may have an impact along their first segments.
+    /// Pairs that may have an impact along their first pieces.
     pub(super) near: Vec<[u32; 2]>,
-    /// Discs that may hit a wall along their first segments.
+    /// Discs that may hit a wall along their first pieces.
     pub(super) near_walls: Vec<u32>,
     /// The discs of a block that are not settled.
     pub(super) unsettled: Vec<u32>,
     /// The contacts of a disc with walls.
     pub(super) contacts: Vec<Contact>,
     pub(super) impulses: Vec<[f64; 2]>,
-    pub(super) rubbing: Rubbing,
+    pub(super) friction_scratch: FrictionScratch,
     pub(super) group: Vec<InGroup>,
     nearby: Vec<Nearby>,
     pub(super) touches: Vec<Touch>,
@@ -77,21 +77,21 @@ pub struct Scratch {
 /// The simulation of the discs of a range.
 pub struct Simulation<'a> {
     /// The window.
-    pub window: &'a Window<'a>,
+    pub window: &'a TimeWindow<'a>,
     /// The discs that each disc may meet.
     pub neighbors: &'a Neighbors,
     /// The discs that may have events.
     pub range: Range<u32>,
-    /// The number of the course of each disc of the range. Those that have one before the
+    /// The number of the trajectory of each disc of the range. Those that have one before the
     /// simulation take no part.
-    pub course_of: &'a mut [u32],
+    pub trajectory_of: &'a mut [u32],
     /// How far each disc was searched for neighbours.
     pub reaches: &'a [f32],
-    /// Where the courses go.
+    /// Where the trajectories go.
     pub history: &'a mut History,
-    /// Added to the numbers of the courses of the history.
+    /// Added to the numbers of the trajectories of the history.
     pub mark: u32,
-    /// The number of the first course of this simulation in the history.
+    /// The number of the first trajectory of this simulation in the history.
     pub base: u32,
     /// Ends the simulation early.
     pub stop: &'a Stop,
@@ -100,7 +100,7 @@ pub struct Simulation<'a> {
 }
 
 impl Simulation<'_> {
-    /// Appends the courses of all discs that have events: those that follow from the first events
+    /// Appends the trajectories of all discs that have events: those that follow from the first events
     /// of all, and the events of `discs`.
     pub fn run(mut self, first: &[Event], discs: &[u32]) {
         let window = self.window;
@@ -109,10 +109,10 @@ impl Simulation<'_> {
         // of time, no event can come too late: predictions never lie before the event that leads to
         // them.
         self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end));
-        // Each of these discs gets a course at once, also if it will have no event. The search for
-        // new conflicts visits all courses of the repetition, and a disc that lost its events may
+        // Each of these discs gets a trajectory at once, also if it will have no event. The search for
+        // new conflicts visits all trajectories of the repetition, and a disc that lost its events may
         // meet others on its new way.
-        discs.iter().for_each(|&disc| _ = self.course(disc));
+        discs.iter().for_each(|&disc| _ = self.trajectory(disc));
         for &disc in discs {
             // The group of one disc is used for its list of neighbours only; nothing happens at the
             // start.
@@ -147,59 +147,60 @@ impl Simulation<'_> {
         }
     }
 
-    /// The number of the course of a disc, if it takes part and has one.
+    /// The number of the trajectory of a disc, if it takes part and has one.
     #[inline(always)]
     pub(super) fn number(&self, index: u32) -> Option<u32> {
         // For an index below the range the difference wraps to a large number, so one comparison
         // tests both ends.
-        let number = *self.course_of.get(index.wrapping_sub(self.range.start) as usize)?;
-        // A course of an earlier simulation in the same list has a number below `base`. Its disc
+        let number = *self.trajectory_of.get(index.wrapping_sub(self.range.start) as usize)?;
+        // A trajectory of an earlier simulation in the same list has a number below `base`. Its disc
         // takes no part: its trajectory is fixed until a test finds a conflict.
         let own = number.wrapping_sub(self.mark);
-        (self.base..self.history.courses.len() as u32).contains(&own).then_some(own)
+        (self.base..self.history.trajectories.len() as u32).contains(&own).then_some(own)
     }
 
-    /// The course of a disc, if it takes part and has one.
+    /// The trajectory of a disc, if it takes part and has one.
     #[inline(always)]
-    pub(super) fn find(&self, index: u32) -> Option<&Course> {
-        self.number(index).map(|number| &self.history.courses[number as usize])
+    pub(super) fn find(&self, index: u32) -> Option<&Trajectory> {
+        self.number(index).map(|number| &self.history.trajectories[number as usize])
     }
 
-    /// The number of the course of a disc, or [`NONE`], its segment and the number of its events;
+    /// The number of the trajectory of a disc, or [`NONE`], its piece and the number of its events;
     /// None if it does not take part. Discs that cannot move take part, wherever they are.
     #[inline(always)]
-    pub(super) fn current(&self, index: u32) -> Option<(u32, Segment, u32)> {
+    pub(super) fn current(&self, index: u32) -> Option<(u32, Piece, u32)> {
         if let Some(number) = self.number(index) {
-            let course = &self.history.courses[number as usize];
-            return Some((number, course.segment, course.count));
+            let trajectory = &self.history.trajectories[number as usize];
+            return Some((number, trajectory.piece, trajectory.count));
         }
         // Discs of other blocks do not take part, even if they are near. Their trajectories are not
         // known yet; conflicts with them are found after all blocks were simulated. An immovable
         // disc has the same trajectory in each block, so each block may use it.
-        let takes_part = match self.course_of.get(index.wrapping_sub(self.range.start) as usize) {
+        let takes_part = match self.trajectory_of.get(index.wrapping_sub(self.range.start) as usize)
+        {
             Some(&number) => number == NONE,
             None => !self.window.starts[index as usize].is_movable,
         };
-        takes_part.then(|| (NONE, self.window.segment(index), 0))
+        takes_part.then(|| (NONE, self.window.piece(index), 0))
     }
 
-    /// The number of the course of a movable disc, which gets one if it has none.
-    pub(super) fn course(&mut self, index: u32) -> u32 {
+    /// The number of the trajectory of a movable disc, which gets one if it has none.
+    pub(super) fn trajectory(&mut self, index: u32) -> u32 {
         if let Some(number) = self.number(index) {
             return number;
         }
-        let number = self.history.courses.len() as u32;
+        let number = self.history.trajectories.len() as u32;
         // The recent events and the state of exhaustion continue from earlier windows. The count
         // begins with 0, because queues hold only events of this window.
         let carried = self.window.carried(index);
-        self.course_of[(index - self.range.start) as usize] = self.mark + number;
-        // A new course is an island of its own: parent and successor are itself.
-        self.history.courses.push(Course {
+        self.trajectory_of[(index - self.range.start) as usize] = self.mark + number;
+        // A new trajectory is an island of its own: parent and successor are itself.
+        self.history.trajectories.push(Trajectory {
             index,
             count: 0,
-            recent: carried.map_or(0, |course| course.recent),
-            travelled: carried.map_or(0.0, |course| course.travelled),
-            segment: self.window.segment(index),
+            recent: carried.map_or(0, |trajectory| trajectory.recent),
+            travelled: carried.map_or(0.0, |trajectory| trajectory.travelled),
+            piece: self.window.piece(index),
             before: NONE,
             inverse_mass: self.window.inverse_mass(index),
             in_group: 0,
@@ -207,7 +208,7 @@ impl Simulation<'_> {
             next: number,
             is_exhausted: self.window.is_exhausted(index),
             is_joint: false,
-            stopped: carried.and_then(|course| course.stopped),
+            stopped: carried.and_then(|trajectory| trajectory.stopped),
             groups: 0,
         });
         if self.window.flight.has_friction {
@@ -237,8 +238,8 @@ impl Simulation<'_> {
             self.find_simultaneous(time);
         }
         self.bounce(time, kind);
-        // Discs of the group may have got their courses after they were listed.
-        // A disc that joined the group later has a course now. `predict` uses its new segment, and
+        // Discs of the group may have got their trajectories after they were listed.
+        // A disc that joined the group later has a trajectory now. `predict` uses its new piece, and
         // not the one that was listed.
         for at in 0..self.scratch.nearby.len() {
             let number = self.number(self.scratch.nearby[at].index);
@@ -253,32 +254,32 @@ impl Simulation<'_> {
     }
 
     /// Adds a movable disc to the group, with the discs near it: all as they are at `time`, or on
-    /// the segments with which they begin the window.
+    /// the pieces with which they begin the window.
     fn join(&mut self, index: u32, time: Option<f64>) {
         let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
-        let at = |segment: &Segment| time.map_or(*segment, |time| segment.moved(time, gravity));
-        let number = self.course(index);
+        let at = |piece: &Piece| time.map_or(*piece, |time| piece.moved(time, gravity));
+        let number = self.trajectory(index);
         let position = self.scratch.group.len();
         // The position plus one is stored, so that 0 means "in no group" and the test needs no
         // search.
-        if self.history.courses[number as usize].in_group != 0 {
+        if self.history.trajectories[number as usize].in_group != 0 {
             return;
         }
-        let course = &self.history.courses[number as usize];
-        let is_joint = self.is_joint(course, time.unwrap_or(self.window.begin));
-        let own = &mut self.history.courses[number as usize];
+        let trajectory = &self.history.trajectories[number as usize];
+        let is_joint = self.is_joint(trajectory, time.unwrap_or(self.window.begin));
+        let own = &mut self.history.trajectories[number as usize];
         own.in_group = position as u32 + 1;
         // The mark stays for the window: the search for conflicts then also counts contacts that do
         // not approach, as the joint solution does.
         own.is_joint |= is_joint;
         // All members are moved to the same moment once. Later tests subtract positions of one
         // time, without a difference of times.
-        let now = at(&own.segment);
+        let now = at(&own.piece);
         let start = self.scratch.nearby.len();
         neighbors.of(index, |neighbor| {
             let Neighbor { index, image } = *neighbor;
-            let Some((number, segment, count)) = self.current(index) else { return };
-            let now = at(&segment);
+            let Some((number, piece, count)) = self.current(index) else { return };
+            let now = at(&piece);
             // Neighbours are listed before the bounce, because the same list serves the search for
             // simultaneous contacts and the predictions after it.
             self.scratch.nearby.push(Nearby { index, number, image, count, now });
@@ -290,7 +291,7 @@ impl Simulation<'_> {
     /// Ends the group.
     fn dissolve(&mut self) {
         let Scratch { group, nearby, touches, .. } = &mut *self.scratch;
-        group.drain(..).for_each(|own| self.history.courses[own.number as usize].in_group = 0);
+        group.drain(..).for_each(|own| self.history.trajectories[own.number as usize].in_group = 0);
         nearby.clear();
         touches.clear();
     }
@@ -300,12 +301,12 @@ impl Simulation<'_> {
         let window = self.window;
         let Scratch { queue, group, nearby, touches, velocities, .. } = &mut *self.scratch;
         let InGroup { index, number, is_joint, near, .. } = &group[position];
-        let courses = &self.history.courses;
-        let course = &courses[*number as usize];
-        let Course { segment: own, count: own_count, .. } = course;
+        let trajectories = &self.history.trajectories;
+        let trajectory = &trajectories[*number as usize];
+        let Trajectory { piece: own, count: own_count, .. } = trajectory;
         // A disc that has ended has no events of its own, but others still hit it as an immovable
         // one. So only pairs of two such discs, and their walls, are left out.
-        let has_ended = window.has_ended(course);
+        let has_ended = window.has_ended(trajectory);
         let is_without_room =
             |wall: u32| *is_joint && approaches_still(touches, velocities, [*index, WALL, wall]);
         if !has_ended
@@ -318,25 +319,26 @@ impl Simulation<'_> {
             touches.iter().any(|touch| touch.key[..2] == pair)
         };
         for other in &nearby[near.clone()] {
-            let (mut segment, mut count) = (&other.now, other.count);
+            let (mut piece, mut count) = (&other.now, other.count);
             let mut are_joint = *is_joint;
-            if let Some(course) = courses.get(other.number as usize) {
-                if course.in_group != 0 {
-                    (segment, count) = (&course.segment, course.count);
-                    are_joint |= group[course.in_group as usize - 1].is_joint;
+            if let Some(trajectory) = trajectories.get(other.number as usize) {
+                if trajectory.in_group != 0 {
+                    (piece, count) = (&trajectory.piece, trajectory.count);
+                    are_joint |= group[trajectory.in_group as usize - 1].is_joint;
                 }
                 // The impacts of two discs of the group are predicted once.
                 // Members of the group are visited in ascending order. The pair of two members
                 // belongs to the one that comes first.
-                let is_predicted = course.in_group != 0 && (course.in_group as usize) <= position;
-                if is_predicted || has_ended && window.has_ended(course) {
+                let is_predicted =
+                    trajectory.in_group != 0 && (trajectory.in_group as usize) <= position;
+                if is_predicted || has_ended && window.has_ended(trajectory) {
                     continue;
                 }
             } else if has_ended && !window.now[other.index as usize].is_movable {
                 continue;
             }
             let image = self.neighbors.image_of(other.image);
-            let both = ((*index, own), (other.index, segment));
+            let both = ((*index, own), (other.index, piece));
             if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
                 // The joint solution may leave a small approach, because its iteration ends early
                 // or no solution exists. The same impact at the same moment would be found again
@@ -373,7 +375,7 @@ impl Simulation<'_> {
                     &self.scratch.nearby[at];
                 let (partner, code) = (*partner, *code);
                 let image = self.neighbors.image_of(code);
-                let has_joint = |other: &Course| self.is_joint(other, time);
+                let has_joint = |other: &Trajectory| self.is_joint(other, time);
                 let was_exhausted = || window.was_exhausted(partner);
                 // A joint problem also needs contacts that touch and do not approach. An impulse
                 // from one side would press the disc into the other side, and an event at the same
@@ -394,32 +396,32 @@ impl Simulation<'_> {
     }
 
     /// The disc of the group with an index, and its position.
-    fn in_group(&self, index: u32) -> Option<(usize, &InGroup, &Course)> {
-        let course = self.find(index)?;
-        let position = (course.in_group as usize).checked_sub(1)?;
-        Some((position, &self.scratch.group[position], course))
+    fn in_group(&self, index: u32) -> Option<(usize, &InGroup, &Trajectory)> {
+        let trajectory = self.find(index)?;
+        let position = (trajectory.in_group as usize).checked_sub(1)?;
+        Some((position, &self.scratch.group[position], trajectory))
     }
 
     fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
-        let (position, own, course) = self.in_group(index).expect("it is in the group");
+        let (position, own, trajectory) = self.in_group(index).expect("it is in the group");
         let (number, time) = (own.number, own.now.time);
-        self.add(self.wall_touch(index, position, course, wall, normal));
+        self.add(self.wall_touch(index, position, trajectory, wall, normal));
         self.exhaust_without_room(number, wall, time);
     }
 
-    /// The contact of the disc of a course, the body `position`, and a wall.
+    /// The contact of the disc of a trajectory, the body `position`, and a wall.
     pub(super) fn wall_touch(
         &self,
         index: u32,
         position: usize,
-        course: &Course,
+        trajectory: &Trajectory,
         wall: u32,
         normal: Vector,
     ) -> Touch {
         Touch {
             bodies: [Some(position), None],
-            inverse_masses: [course.inverse_mass, 0.0],
-            restitution: self.wall_restitution(course, wall),
+            inverse_masses: [trajectory.inverse_mass, 0.0],
+            restitution: self.wall_restitution(trajectory, wall),
             friction: self.window.wall_friction(index, wall),
             carried: self.window.flight.walls.velocity(wall),
             ..Touch::of_wall(index, wall, normal)
@@ -442,7 +444,7 @@ impl Simulation<'_> {
         let found = pair.map(|disc| self.in_group(disc));
         let now = [0, 1].map(|k| match found[k] {
             Some((_, own, _)) => own.now,
-            None => window.segment(pair[k]).moved(time, window.gravity()),
+            None => window.piece(pair[k]).moved(time, window.gravity()),
         });
         let [p, q] = now.map(|now| now.position);
         // Of two surfaces at most one has no body.
@@ -457,8 +459,8 @@ impl Simulation<'_> {
         }
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| q[k] - p[k] + image[k]);
-        let courses = found.map(|found| found.map(|(.., course)| course));
-        let (inverse_masses, restitution) = self.masses_and_restitution(pair, courses);
+        let trajectories = found.map(|found| found.map(|(.., trajectory)| trajectory));
+        let (inverse_masses, restitution) = self.masses_and_restitution(pair, trajectories);
         let touch = Touch {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             inverse_masses,
@@ -496,9 +498,9 @@ impl Simulation<'_> {
     fn record_bounces(&mut self) {
         for (at, touch) in self.scratch.touches.iter().enumerate() {
             let [a, b] = touch.bodies.map(|body| body.map(|body| &self.scratch.group[body]));
-            let course = a.or(b).expect("one of them is in the group").number;
+            let trajectory = a.or(b).expect("one of them is in the group").number;
             let ([first, second, code], impulses) = (touch.key, self.impulses_of(at));
-            self.history.bounces.push(Bounce { pair: [first, second], code, impulses, course });
+            self.history.bounces.push(Bounce { pair: [first, second], code, impulses, trajectory });
         }
     }
 
@@ -543,7 +545,7 @@ impl Simulation<'_> {
                 continue;
             }
             let velocity = self.scratch.velocities[position];
-            let mut new = Segment { velocity, is_first: false, ..now };
+            let mut new = Piece { velocity, is_first: false, ..now };
             if kind == Kind::Hold && !is_heated {
                 self.hold(position, &mut new, window.flight.end - time);
             }
@@ -568,7 +570,7 @@ impl Simulation<'_> {
         // depend on it.
         let all = group.iter().zip(velocities).map(member).fold(0, u64::wrapping_add);
         for own in group {
-            let groups = &mut self.history.courses[own.number as usize].groups;
+            let groups = &mut self.history.trajectories[own.number as usize].groups;
             *groups = digest(*groups, all);
         }
     }
@@ -603,62 +605,62 @@ impl Simulation<'_> {
     }
 
     /// Lets a disc of the group slide along the surface that it touches for `left` seconds.
-    fn hold(&mut self, position: usize, segment: &mut Segment, left: f64) {
+    fn hold(&mut self, position: usize, piece: &mut Piece, left: f64) {
         let (number, touch) = (self.scratch.group[position].number, self.scratch.touches[0]);
         let is_second = touch.bodies[1] == Some(position);
         let normal = touch.normal.map(|v| if is_second { v } else { -v });
         // From now on the disc does not fall: the surface balances gravity until the flight ends.
         // The speed that gravity would give in this time, times the mass, is the impulse on the
         // surface.
-        let pressing = -hold(segment, normal, self.window.gravity(), left);
-        let inverse_mass = self.history.courses[number as usize].inverse_mass;
+        let pressing = -hold(piece, normal, self.window.gravity(), left);
+        let inverse_mass = self.history.trajectories[number as usize].inverse_mass;
         self.scratch.impulses[0][0] += pressing.max(0.0) / inverse_mass;
         if self.window.flight.has_friction {
-            let change = self.brake(number, segment, &touch, is_second, pressing.max(0.0));
+            let change = self.brake(number, piece, &touch, is_second, pressing.max(0.0));
             self.scratch.impulses[0][1] += change / inverse_mass;
         }
     }
 
-    /// Lets a disc continue on a new segment.
-    pub(super) fn turn(&mut self, number: u32, new: Segment) {
+    /// Lets a disc continue on a new piece.
+    pub(super) fn turn(&mut self, number: u32, new: Piece) {
         let window = self.window;
-        let History { courses, ended, .. } = &mut *self.history;
-        let course = &mut courses[number as usize];
-        // The distance is measured on the old segment, so this comes before the segment is
+        let History { trajectories, ended, .. } = &mut *self.history;
+        let trajectory = &mut trajectories[number as usize];
+        // The distance is measured on the old piece, so this comes before the piece is
         // replaced.
-        course.count_recent(&new, window.radius(course.index), window.flight.end);
-        // Ended segments form a chain through one list for all courses. A vector for each disc
+        trajectory.count_recent(&new, window.radius(trajectory.index), window.flight.end);
+        // Ended pieces form a chain through one list for all trajectories. A vector for each disc
         // would need an allocation for each.
-        ended.push((course.segment, course.before));
-        course.before = ended.len() as u32 - 1;
-        course.segment = new;
-        course.count += 1;
-        // It may stop the disc. So the test of bounds below reads the course again, and not `new`.
+        ended.push((trajectory.piece, trajectory.before));
+        trajectory.before = ended.len() as u32 - 1;
+        trajectory.piece = new;
+        trajectory.count += 1;
+        // It may stop the disc. So the test of bounds below reads the trajectory again, and not `new`.
         self.exhaust_if_many(number);
-        let History { courses, outside, .. } = &mut *self.history;
-        let course = &courses[number as usize];
-        let square = window.longest_square(window.anchor(course.index), &course.segment);
-        let reach = f64::from(self.reaches[course.index as usize]);
+        let History { trajectories, outside, .. } = &mut *self.history;
+        let trajectory = &trajectories[number as usize];
+        let square = window.longest_square(window.anchor(trajectory.index), &trajectory.piece);
+        let reach = f64::from(self.reaches[trajectory.index as usize]);
         // The neighbours of a disc are complete only within its bounds. The simulation goes on as
         // if they were complete. Afterwards the bounds grow, and the new neighbours are tested as
         // conflicts.
         if square > reach * reach {
-            let Course { index, segment, .. } = *course;
-            outside.push(Outside { index, distance: square.sqrt(), segment });
+            let Trajectory { index, piece, .. } = *trajectory;
+            outside.push(Outside { index, distance: square.sqrt(), piece });
         }
     }
 }
 
 /// Lets a disc that touches a surface slide for `left` seconds: gravity along the surface acts at
 /// once; that along the normal is balanced. Returns the speed along the normal that it would give.
-fn hold(segment: &mut Segment, normal: Vector, gravity: Vector, left: f64) -> f64 {
-    if segment.falls {
+fn hold(piece: &mut Piece, normal: Vector, gravity: Vector, left: f64) -> f64 {
+    if piece.falls {
         let g = gravity.map(|g| g * left);
         let pressing = dot(g, normal);
         // All of gravity along the surface is applied at once. The path is then a straight line,
         // and its error is of the first order in the sub-step.
-        segment.velocity = vector(|k| segment.velocity[k] + (g[k] - pressing * normal[k]));
-        segment.falls = false;
+        piece.velocity = vector(|k| piece.velocity[k] + (g[k] - pressing * normal[k]));
+        piece.falls = false;
         return pressing;
     }
     0.0

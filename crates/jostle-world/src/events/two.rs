@@ -3,21 +3,21 @@
 //! The result has the same bits as that of [`Simulation::happen`], without its lists.
 
 use super::early::Now;
-use super::history::{Bounce, Course};
+use super::history::{Bounce, Trajectory};
 use super::impulses::{self, Touch};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
 use super::simulation::Simulation;
-use crate::trajectory::{Kind, Segment, Vector, vector};
+use crate::trajectory::{Kind, Piece, Vector, vector};
 
-/// A disc that gets a new segment.
+/// A disc that gets a new piece.
 #[derive(Clone, Copy)]
 pub(super) struct Turned<'a> {
     pub(super) index: u32,
-    /// The segment that begins now, with the velocity before the impact.
-    pub(super) now: &'a Segment,
+    /// The piece that begins now, with the velocity before the impact.
+    pub(super) now: &'a Piece,
     /// The same with the velocity after it.
-    pub(super) new: &'a Segment,
+    pub(super) new: &'a Piece,
     /// The number of its events.
     pub(super) count: u32,
 }
@@ -38,26 +38,27 @@ impl Simulation<'_> {
     pub(super) fn collide_two(&mut self, event: &Event) -> bool {
         let window = self.window;
         let Event { time, kind, code, pair: discs, .. } = *event;
-        // A partner that cannot move has no course, and its velocity enters the contact in another
+        // A partner that cannot move has no trajectory, and its velocity enters the contact in another
         // way.
         let are_discs = discs[1] != WALL && window.starts[discs[1] as usize].is_movable;
         if kind != Kind::Bounce || !are_discs {
             return false;
         }
-        // New courses may stay without an event if this returns false. `happen` then finds them and
+        // New trajectories may stay without an event if this returns false. `happen` then finds them and
         // adds the event.
-        let numbers = discs.map(|disc| self.course(disc));
-        let courses = numbers.map(|number| &self.history.courses[number as usize]);
-        let needs_group =
-            |course: &Course| self.is_nearly_exhausted(course) || self.is_joint(course, time);
-        if courses.into_iter().any(needs_group) {
+        let numbers = discs.map(|disc| self.trajectory(disc));
+        let trajectories = numbers.map(|number| &self.history.trajectories[number as usize]);
+        let needs_group = |trajectory: &Trajectory| {
+            self.is_nearly_exhausted(trajectory) || self.is_joint(trajectory, time)
+        };
+        if trajectories.into_iter().any(needs_group) {
             return false;
         }
-        let now = |k: usize| courses[k].segment.moved(time, window.gravity());
+        let now = |k: usize| trajectories[k].piece.moved(time, window.gravity());
         // Arrays that are mapped are copied through memory again.
         let now = [now(0), now(1)];
-        let counts = courses.map(|course| course.count);
-        let recent = courses.map(|course| course.recent);
+        let counts = trajectories.map(|trajectory| trajectory.count);
+        let recent = trajectories.map(|trajectory| trajectory.recent);
         // From the smaller index to the larger, so that both give the same numbers.
         let ([a, b], code) =
             if discs[0] < discs[1] { ([0, 1], code) } else { ([1, 0], opposite(code)) };
@@ -66,7 +67,7 @@ impl Simulation<'_> {
         let offset = vector(|k| now[b].position[k] - now[a].position[k] + image[k]);
         let touch = Touch {
             bodies: [Some(a), Some(b)],
-            inverse_masses: [a, b].map(|k| courses[k].inverse_mass),
+            inverse_masses: [a, b].map(|k| trajectories[k].inverse_mass),
             restitution: self.pair_restitution(pair, recent),
             friction: window.pair_friction(pair),
             ..Touch::of_discs(pair, code, offset)
@@ -78,7 +79,7 @@ impl Simulation<'_> {
         if window.flight.has_friction {
             self.rub(&[touch], numbers.into_iter(), &mut velocities);
         }
-        let turned = |k: usize| Segment { velocity: velocities[k], is_first: false, ..now[k] };
+        let turned = |k: usize| Piece { velocity: velocities[k], is_first: false, ..now[k] };
         let new = [turned(0), turned(1)];
         // The predictions and the search for other contacts visit the same neighbours, so they are
         // one pass. If another contact is found, the predictions are dropped, and no trajectory has
@@ -93,7 +94,7 @@ impl Simulation<'_> {
         }
         (0..2).for_each(|k| self.turn(numbers[k], new[k]));
         let impulses = self.impulses_of(0);
-        self.history.bounces.push(Bounce { pair, code, impulses, course: numbers[a] });
+        self.history.bounces.push(Bounce { pair, code, impulses, trajectory: numbers[a] });
         true
     }
 
@@ -102,8 +103,8 @@ impl Simulation<'_> {
     fn predict_two(
         &mut self,
         event: &Event,
-        now: &[Segment; 2],
-        new: &[Segment; 2],
+        now: &[Piece; 2],
+        new: &[Piece; 2],
         counts: [u32; 2],
     ) -> bool {
         let Event { time, code, pair: discs, .. } = *event;
@@ -127,7 +128,7 @@ impl Simulation<'_> {
         are_alone
     }
 
-    /// Appends the next impacts of a disc that gets a new segment at `time`. Returns whether it touches
+    /// Appends the next impacts of a disc that gets a new piece at `time`. Returns whether it touches
     /// nothing then, apart from its partner and from walls, with their normals, that are known. `left` is
     /// a wall of those that are known.
     #[inline(always)]
@@ -170,8 +171,8 @@ impl Simulation<'_> {
                 _ => {
                     let there = match self.number(other) {
                         Some(number) => {
-                            let segment = &self.history.courses[number as usize].segment;
-                            Now::of(&segment.moved(time, window.gravity()), window.radius(other))
+                            let piece = &self.history.trajectories[number as usize].piece;
+                            Now::of(&piece.moved(time, window.gravity()), window.radius(other))
                         }
                         None => window.first_at(other, time),
                     };
@@ -182,8 +183,8 @@ impl Simulation<'_> {
                         return;
                     }
                     // Discs that take no part are found later, as conflicts.
-                    let Some((_, segment, count)) = self.current(other) else { return };
-                    let moved = segment.moved(time, window.gravity());
+                    let Some((_, piece, count)) = self.current(other) else { return };
+                    let moved = piece.moved(time, window.gravity());
                     (moved, moved, count, false)
                 }
             };

@@ -1,7 +1,7 @@
 //! How long a window is: short enough for few events, and on a torus for short trajectories.
 
 use super::Events;
-use super::flight::{Flight, Start, Window};
+use super::flight::{Flight, Start, TimeWindow};
 use crate::container::MAX_TOURS;
 use jostle_base::error::{Error, Result};
 
@@ -24,7 +24,7 @@ pub(super) fn most_impacts(discs: usize) -> usize {
 impl Events {
     /// The end of the window, halved until few first impacts happen in it, but not shorter than
     /// `shortest`. Impacts at the start are in every window, so they do not count.
-    pub(super) fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
+    pub(super) fn end_of_window(&self, window: &TimeWindow<'_>, shortest: f64) -> Result<f64> {
         // Without impacts of pairs, blocks cannot have conflicts.
         if !window.flight.pairs {
             return Ok(window.end);
@@ -40,7 +40,7 @@ impl Events {
     }
 }
 
-impl Window<'_> {
+impl TimeWindow<'_> {
     /// The end of the window, which is halved while it is too long, but not shorter than
     /// `shortest`.
     fn shortened(&self, end: f64, shortest: f64, is_too_long: impl Fn(f64) -> bool) -> f64 {
@@ -57,7 +57,7 @@ impl Window<'_> {
 
 /// The end of the window, halved until no disc travels further than around a torus in it, but not
 /// shorter than `shortest`. Refuses a sub-step in which forces make one too fast.
-pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
+pub(super) fn end_for_the_fast(window: &TimeWindow<'_>, shortest: f64) -> Result<f64> {
     let period = window.flight.walls.container.period();
     if period.is_none() {
         return Ok(window.end);

@@ -10,7 +10,7 @@ use super::{Part, Walls, less, number_of};
 use crate::container::{Container, size};
 use crate::motion::exact;
 use crate::particles::Particles;
-use crate::trajectory::{Impact, Limits, Segment, Vector, dot, vector};
+use crate::trajectory::{Impact, Limits, Piece, Vector, dot, vector};
 use jostle_index::geometry::{Bounds, Shape};
 use jostle_index::pairs::Path;
 use jostle_index::query::each_overlap;
@@ -157,7 +157,7 @@ impl Around<'_> {
     pub fn impact(
         &self,
         index: u32,
-        segment: &Segment,
+        segment: &Piece,
         until: f64,
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
@@ -211,12 +211,12 @@ impl Around<'_> {
     }
 
     /// A segment relative to a wall with an offset.
-    fn seen_from(&self, wall: u32, offset: Vector, segment: &Segment) -> Segment {
+    fn seen_from(&self, wall: u32, offset: Vector, segment: &Piece) -> Piece {
         let velocity = self.velocity(wall);
         if velocity == [0.0; 2] && offset == [0.0; 2] {
             return *segment;
         }
-        Segment {
+        Piece {
             position: self.position_from(wall, less(segment.position, offset), segment.time),
             velocity: vector(|k| segment.velocity[k] - velocity[k]),
             ..*segment
@@ -235,7 +235,7 @@ impl Around<'_> {
     }
 
     /// Unit normal of a wall where a disc begins a segment, towards the disc.
-    pub fn normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
+    pub fn normal(&self, index: u32, wall: u32, now: &Piece) -> Vector {
         let radius = f64::from(self.particles.radii[index as usize]);
         let seen = self.seen_from(wall, [0.0; 2], now);
         let contact = self.walls.nearest_contact(wall, seen.position, seen.velocity, radius);
@@ -287,7 +287,7 @@ impl Around<'_> {
 /// The search for the first impact of a disc on a wall.
 struct Search<'a> {
     around: &'a Around<'a>,
-    segment: &'a Segment,
+    segment: &'a Piece,
     radius: f64,
     gravity: Vector,
     /// The first impact so far, and the number of the wall.
@@ -324,7 +324,7 @@ impl Search<'_> {
 }
 
 /// A box that contains the trajectory of a centre between two times.
-fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
+fn bounds(segment: &Piece, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
     let [a, b] = times.map(|time| segment.position_at(time, gravity));
     // Where a parabola has its vertex along an axis, or one of the ends.
     let vertex = |k: usize| {
@@ -360,7 +360,7 @@ impl Walls {
     fn may_hit(
         &self,
         wall: u32,
-        segment: &Segment,
+        segment: &Piece,
         times: [f64; 2],
         radius: f64,
         gravity: Vector,

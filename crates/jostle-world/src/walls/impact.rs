@@ -1,7 +1,7 @@
 //! The time of impact of a disc and a wall.
 
 use super::{Line, Part, Walls, index_of, less};
-use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, flat_impact, vector};
+use crate::trajectory::{Impact, Limits, Piece, Relative, Vector, dot, flat_impact, vector};
 
 impl Walls {
     /// The first impact of a disc on the wall with a number.
@@ -11,7 +11,7 @@ impl Walls {
     pub fn impact(
         &self,
         wall: u32,
-        segment: &Segment,
+        segment: &Piece,
         radius: f64,
         gravity: Vector,
         limits: &Limits,
@@ -67,7 +67,7 @@ impl Walls {
         &self,
         index: u32,
         part: Part,
-        (segment, radius): (&Segment, f64),
+        (segment, radius): (&Piece, f64),
         gravity: Vector,
         until: f64,
         test: impl Fn([f64; 2]) -> Option<Impact>,
@@ -95,12 +95,12 @@ impl Walls {
         &self,
         index: u32,
         part: Part,
-        (segment, radius): (&Segment, f64),
+        (segment, radius): (&Piece, f64),
         gravity: Vector,
         after: f64,
     ) -> f64 {
         let next = |line: &Line, end: usize, offset: Vector| {
-            let seen = Segment { position: less(segment.position, offset), ..*segment };
+            let seen = Piece { position: less(segment.position, offset), ..*segment };
             line.crossing(end, &seen, gravity, after)
         };
         let own = self.line(index);
@@ -122,7 +122,7 @@ impl Walls {
 impl Line {
     /// The first time after `after` at which the centre of a disc crosses the line through an end
     /// at a right angle to the wall; infinite if there is none.
-    fn crossing(&self, end: usize, segment: &Segment, gravity: Vector, after: f64) -> f64 {
+    fn crossing(&self, end: usize, segment: &Piece, gravity: Vector, after: f64) -> f64 {
         let beyond = self.beyond(end, segment.position);
         let speed = dot(segment.velocity, self.along);
         let pull = if segment.falls { dot(gravity, self.along) } else { 0.0 };

@@ -1,7 +1,7 @@
 //! Times of impact against an oracle that follows the distance in small steps.
 
 use super::*;
-use crate::trajectory::{Limits, Segment};
+use crate::trajectory::{Limits, Piece};
 
 const LIMITS: Limits = Limits {
     until: 1.0,
@@ -21,7 +21,7 @@ fn walls(all: &[[[f32; 2]; 2]]) -> Walls {
 
 /// The first time at which the distance to a wall is at most the radius; None if there is none
 /// before 1.
-fn oracle(walls: &Walls, segment: &Segment, radius: f64, gravity: Vector) -> Option<f64> {
+fn oracle(walls: &Walls, segment: &Piece, radius: f64, gravity: Vector) -> Option<f64> {
     let gap = |time: f64| {
         let at = segment.position_at(time, gravity);
         walls.lines.iter().map(|line| line.distance(at)).fold(f64::MAX, f64::min) - radius
@@ -53,7 +53,7 @@ fn times_of_impact_are_those_of_the_oracle() {
         let (position, velocity) = (point().map(f64::from), point().map(|v| 3.0 * f64::from(v)));
         let falls = case % 2 == 0;
         let gravity = if falls { [1.0, -9.0] } else { [0.0; 2] };
-        let segment = Segment { position, velocity, falls, ..Segment::default() };
+        let segment = Piece { position, velocity, falls, ..Piece::default() };
         let radius = 0.3;
         if walls.lines.iter().any(|line| line.distance(position) < radius + 1e-3) {
             continue;

@@ -14,9 +14,9 @@ use super::renewal::{Crowding, Renewed};
 use super::search::MAX_CANDIDATES;
 use super::{OnTouch, World, WorldSettings};
 use crate::container::Container;
-use crate::events::{Bounds, Candidates, NearPair, Outside, Start};
+use crate::events::{Candidates, NearPair, Outside, Start, SweptBounds};
 use crate::particles::Particles;
-use crate::trajectory::{Segment, Vector, dot};
+use crate::trajectory::{Piece, Vector, dot};
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Pulse;
 use jostle_base::parallel;
@@ -231,7 +231,7 @@ impl Circle {
 #[derive(Debug, Default)]
 pub(crate) struct Grown {
     circles: Vec<Circle>,
-    /// The segments that have chains.
+    /// The pieces that have chains.
     chained: HashSet<[u64; 6]>,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
@@ -311,7 +311,7 @@ impl<'a> StepBounds<'a> {
             return self.cover_by_chain(outside, gravity, end);
         }
         let reach = &mut self.reaches[index as usize];
-        // Another of its segments may have made them large enough.
+        // Another of its pieces may have made them large enough.
         if distance > f64::from(*reach) {
             *reach = (distance * GROWTH) as f32;
             // Bounds grow around their present centre: that of the last renewal, or of the
@@ -328,11 +328,11 @@ impl<'a> StepBounds<'a> {
         Ok(())
     }
 
-    /// Appends circles along a segment.
+    /// Appends circles along a piece.
     fn cover_by_chain(&mut self, outside: &Outside, gravity: Vector, end: f64) -> Result<()> {
-        let Outside { index, segment, .. } = *outside;
-        let Segment { time, position: [x, y], velocity: [u, v], .. } = segment;
-        // A segment may be reported several times in a window. Its bits name it, so one chain is
+        let Outside { index, piece, .. } = *outside;
+        let Piece { time, position: [x, y], velocity: [u, v], .. } = piece;
+        // A piece may be reported several times in a window. Its bits name it, so one chain is
         // made.
         let key = [f64::from(index), time, x, y, u, v].map(f64::to_bits);
         if !self.grown.chained.insert(key) {
@@ -340,7 +340,7 @@ impl<'a> StepBounds<'a> {
         }
         // Along a parabola the speed is largest at an end.
         let speeds = [time, end].map(|time| {
-            let [_, velocity] = segment.at(time, gravity);
+            let [_, velocity] = piece.at(time, gravity);
             dot(velocity, velocity).sqrt()
         });
         let displacement = speeds[0].max(speeds[1]) * (end - time);
@@ -360,7 +360,7 @@ impl<'a> StepBounds<'a> {
         let period = self.container.period().exact();
         for number in 0..count as usize {
             let times = [number, number + 1].map(|number| time + number as f64 * interval);
-            let middle = segment.position_at(0.5 * (times[0] + times[1]), gravity);
+            let middle = piece.position_at(0.5 * (times[0] + times[1]), gravity);
             // Trajectories are not wrapped within a step, but the tree is on the torus. The tile
             // tells how often the particle has travelled around, so the offset of a pair is a
             // difference of tiles.
@@ -385,7 +385,7 @@ impl<'a> StepBounds<'a> {
     }
 }
 
-impl Bounds for StepBounds<'_> {
+impl SweptBounds for StepBounds<'_> {
     fn reaches(&self) -> &[f32] {
         self.reaches
     }
