@@ -19,7 +19,7 @@ const RECORD_WORK: usize = 16;
 
 /// Two slots, and the neighbours of the record in the list of either.
 #[derive(Clone, Copy, Debug)]
-struct Record {
+struct Link {
     slots: [u32; 2],
     next: [u32; 2],
     back: [u32; 2],
@@ -28,7 +28,7 @@ struct Record {
 /// Pairs of slots in linked lists.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Links {
-    records: Vec<Record>,
+    records: Vec<Link>,
     /// Records that hold no pair.
     free: Vec<u32>,
     /// The first record in the list of each slot.
@@ -137,7 +137,7 @@ impl Links {
     fn link(&mut self, slots: [u32; 2]) {
         // At the head of both lists: no list has an order, so nothing has to be searched.
         let next = slots.map(|slot| self.heads[slot as usize]);
-        let record = Record { slots, next, back: [NONE; 2] };
+        let record = Link { slots, next, back: [NONE; 2] };
         let index = if let Some(index) = self.free.pop() {
             self.records[index as usize] = record;
             index
@@ -155,7 +155,7 @@ impl Links {
 
     /// Removes the pair of a record.
     fn unlink(&mut self, index: u32) {
-        let Record { slots, next, back } = self.records[index as usize];
+        let Link { slots, next, back } = self.records[index as usize];
         for side in 0..2 {
             let slot = slots[side];
             // `NONE` is an index beyond all records, so "no record before" is a failed lookup,
@@ -182,11 +182,11 @@ impl Links {
     /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let words = self.free.capacity() + self.heads.capacity();
-        self.records.capacity() * size_of::<Record>() + words * size_of::<u32>()
+        self.records.capacity() * size_of::<Link>() + words * size_of::<u32>()
     }
 }
 
-impl Record {
+impl Link {
     /// The position of a slot in the record.
     fn side(&self, slot: u32) -> usize {
         usize::from(self.slots[1] == slot)

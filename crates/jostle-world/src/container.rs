@@ -47,7 +47,7 @@ saved! {
 
 /// A wall near a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
+pub struct WallContact {
     /// The number of the wall.
     pub wall: u32,
     /// Unit vector from the wall to the centre.
@@ -360,7 +360,7 @@ impl Side {
 
     /// The contact with a disc, for the wall with a number.
     #[inline(always)]
-    pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> Contact {
+    pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> WallContact {
         let (normal, gap) = match *self {
             Self::Flat { axis, inward, at } => {
                 let [low, high] = [position[axis] - radius - at, at - radius - position[axis]];
@@ -375,7 +375,7 @@ impl Side {
                 (normal, outer - radius - length)
             }
         };
-        Contact { wall, normal, gap, is_end: false }
+        WallContact { wall, normal, gap, is_end: false }
     }
 
     /// The first impact of a disc.

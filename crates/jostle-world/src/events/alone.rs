@@ -46,7 +46,7 @@ impl Simulation<'_> {
         // The wall of the event is found again among those that the disc touches. On a torus
         // another image of it is another contact, so the normal is compared, too.
         let is_known = |other: u32, normal| {
-            other == wall && touch.is_same(&impulses::Touch::of_wall(index, wall, normal))
+            other == wall && touch.is_same(&impulses::Constraint::of_wall(index, wall, normal))
         };
         // The early test leaves out this wall if the disc moves away from it after the bounce.
         let left = flight.walls.left(wall);

@@ -27,7 +27,7 @@
 
 use super::flight::{Flight, Start, TimeWindow};
 use super::history::{History, Pieces, Trajectory};
-use super::impulses::{self, Touch};
+use super::impulses::{self, Constraint};
 use super::simulation::{Scratch, Simulation};
 use crate::trajectory::{Piece, Vector, dot, vector};
 use crate::walls::index_of;
@@ -314,7 +314,11 @@ impl Simulation<'_> {
 /// Whether the surfaces of the contact with a key still approach after it was solved: a disc
 /// without room has no velocity with which they do not. To predict their impact again would be
 /// without end.
-pub(super) fn approaches_still(touches: &[Touch], velocities: &[Vector], key: [u32; 3]) -> bool {
-    let approaches = |touch: &Touch| touch.separation_speed(velocities) < 0.0;
+pub(super) fn approaches_still(
+    touches: &[Constraint],
+    velocities: &[Vector],
+    key: [u32; 3],
+) -> bool {
+    let approaches = |touch: &Constraint| touch.separation_speed(velocities) < 0.0;
     touches.iter().any(|touch| touch.key == key && approaches(touch))
 }

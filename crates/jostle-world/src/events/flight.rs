@@ -12,7 +12,7 @@ use crate::tolerance::{COARSE, Tolerance, size_of};
 use crate::trajectory::{
     Impact, Limits, Piece, Relative, Vector, dot, restitution_at_rest, vector,
 };
-use crate::walls::{Around, Contact, number_of};
+use crate::walls::{Around, WallContact, number_of};
 use jostle_base::parallel;
 
 /// An impact without which the surfaces would overlap by less than this share of the size at the
@@ -595,7 +595,7 @@ impl TimeWindow<'_> {
         index: u32,
         now: &Piece,
         all: bool,
-        contacts: &mut Vec<Contact>,
+        contacts: &mut Vec<WallContact>,
         mut act: impl FnMut(u32, Vector),
     ) {
         self.each_touched_side(index, now, all, &mut act);
@@ -608,7 +608,7 @@ impl TimeWindow<'_> {
         let rounding = self.wall_limits(now, index, number_of(0)).rounding;
         let (at, walls) = ((now.position, now.time), self.flight.walls);
         walls.contacts(index, at, radius, rounding, contacts);
-        for &Contact { wall, normal, gap, .. } in &*contacts {
+        for &WallContact { wall, normal, gap, .. } in &*contacts {
             let limits = self.wall_limits(now, index, wall).of_gap(gap);
             let own = walls.velocity(wall);
             let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));
@@ -633,7 +633,7 @@ impl TimeWindow<'_> {
         }
         let limits_of = self.side_limits(now, index);
         for (wall, side) in container.sides() {
-            let Contact { normal, gap, .. } = side.contact(wall, now.position, radius);
+            let WallContact { normal, gap, .. } = side.contact(wall, now.position, radius);
             let limits = limits_of(wall);
             // False where numbers overflow and the gap is none.
             let is_near = gap <= limits.rounding;

@@ -6,7 +6,7 @@
 //! restitution of 0). The moment of inertia of a disc is m r²/2.
 
 use super::flight::TimeWindow;
-use super::impulses::{MAX_ITERATIONS, TOLERANCE, Touch};
+use super::impulses::{Constraint, MAX_ITERATIONS, TOLERANCE};
 use super::simulation::Simulation;
 use crate::trajectory::{Piece, Vector, dot, vector};
 
@@ -41,7 +41,7 @@ pub struct Rotor {
     softness: f64,
 }
 
-impl Touch {
+impl Constraint {
     /// Unit vector along the surfaces, a quarter turn from the normal.
     fn tangent(&self) -> Vector {
         [-self.normal[1], self.normal[0]]
@@ -122,7 +122,12 @@ impl FrictionScratch {
     ///
     /// This adds no energy: friction opposes the sliding, and impulses along normals act only where
     /// the surfaces end without separating.
-    fn run(&mut self, touches: &[Touch], velocities: &mut [Vector], impulses: &mut [[f64; 2]]) {
+    fn run(
+        &mut self,
+        touches: &[Constraint],
+        velocities: &mut [Vector],
+        impulses: &mut [[f64; 2]],
+    ) {
         let Self { rotors, bounced } = self;
         bounced.clear();
         bounced.extend(impulses.iter().map(|[normal, _]| *normal));
@@ -231,7 +236,7 @@ impl Simulation<'_> {
     /// [`Rotor`]s, after the impulses of `touches` along their normals.
     pub(super) fn rub(
         &mut self,
-        touches: &[Touch],
+        touches: &[Constraint],
         numbers: impl Iterator<Item = u32>,
         velocities: &mut [Vector],
     ) {
@@ -270,7 +275,7 @@ impl Simulation<'_> {
         &mut self,
         number: u32,
         piece: &mut Piece,
-        touch: &Touch,
+        touch: &Constraint,
         is_second: bool,
         pressing: f64,
     ) -> f64 {

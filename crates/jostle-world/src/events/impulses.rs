@@ -9,9 +9,9 @@
 use super::queue::WALL;
 use crate::trajectory::{Vector, dot, vector};
 
-/// Two surfaces that touch.
+/// Two surfaces that touch, as a constraint on their velocities in an impact.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Touch {
+pub struct Constraint {
     /// Identifies the contact: the indices of the discs, and the image or the wall.
     /// Contacts are solved in the order of their keys.
     pub key: [u32; 3],
@@ -56,13 +56,13 @@ const SAME: f64 = 1.0 - 1e-9;
 
 /// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
 /// then the impulse along the normal, in the order of the sorted `touches`.
-pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
+pub fn apply(touches: &mut [Constraint], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
     iterate((MAX_ITERATIONS, TOLERANCE, 1.0), touches, velocities, impulses);
 }
 
 /// The same for contacts of which some touch without approaching.
 pub fn apply_jointly(
-    touches: &mut [Touch],
+    touches: &mut [Constraint],
     velocities: &mut [Vector],
     impulses: &mut Vec<[f64; 2]>,
 ) {
@@ -76,7 +76,7 @@ pub fn apply_jointly(
 /// Cimmino, *Calcolo approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938). This
 /// converges to the least sum of squares of what is left.
 pub fn project<'a>(
-    touches: impl Iterator<Item = &'a Touch> + Clone,
+    touches: impl Iterator<Item = &'a Constraint> + Clone,
     velocities: &mut [Vector],
     sums: &mut Vec<(Vector, f64)>,
 ) {
@@ -116,7 +116,7 @@ pub fn project<'a>(
 
 fn iterate(
     (most, tolerance, relaxation): (usize, f64, f64),
-    touches: &mut [Touch],
+    touches: &mut [Constraint],
     velocities: &mut [Vector],
     impulses: &mut Vec<[f64; 2]>,
 ) {
@@ -163,7 +163,7 @@ fn iterate(
     }
 }
 
-impl Touch {
+impl Constraint {
     /// The contact of two discs; `offset` is that of the second from the first.
     pub fn of_discs(pair: [u32; 2], code: u32, offset: Vector) -> Self {
         let length = dot(offset, offset).sqrt();
@@ -220,13 +220,13 @@ mod tests {
     #[test]
     fn one_disc_on_two_at_once_leaves_symmetrically() {
         let (x, y) = (0.75f64.sqrt(), 0.5);
-        let touch = |second, normal| Touch {
+        let touch = |second, normal| Constraint {
             key: [0, second as u32, 0],
             bodies: [Some(0), Some(second)],
             normal,
             inverse_masses: [1.0; 2],
             restitution: 1.0,
-            ..Touch::default()
+            ..Constraint::default()
         };
         let mut touches = [touch(1, [x, y]), touch(2, [x, -y])];
         let mut velocities = [[1.0, 0.0], [0.0; 2], [0.0; 2]];

@@ -10,13 +10,13 @@ use super::exhaustion::approaches_still;
 use super::flight::TimeWindow;
 use super::friction::FrictionScratch;
 use super::history::{Bounce, History, NONE, Trajectory};
-use super::impulses::{self, Touch};
+use super::impulses::{self, Constraint};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
 use super::{MAX_COLLISIONS, Outside};
 use crate::halo::{digest, digest_all};
 use crate::trajectory::{Kind, Piece, Vector, dot, vector};
-use crate::walls::Contact;
+use crate::walls::WallContact;
 use jostle_base::interrupt::Stop;
 
 /// Impacts between two polls. More would make an interruption wait longer, fewer would read a
@@ -62,12 +62,12 @@ pub struct Scratch {
     /// The discs of a block that are not settled.
     pub(super) unsettled: Vec<u32>,
     /// The contacts of a disc with walls.
-    pub(super) contacts: Vec<Contact>,
+    pub(super) contacts: Vec<WallContact>,
     pub(super) impulses: Vec<[f64; 2]>,
     pub(super) friction_scratch: FrictionScratch,
     pub(super) group: Vec<InGroup>,
     nearby: Vec<Nearby>,
-    pub(super) touches: Vec<Touch>,
+    pub(super) touches: Vec<Constraint>,
     pub(super) velocities: Vec<Vector>,
     /// The same before they are corrected, and sums of corrections with their numbers.
     pub(super) before: Vec<Vector>,
@@ -417,14 +417,14 @@ impl Simulation<'_> {
         trajectory: &Trajectory,
         wall: u32,
         normal: Vector,
-    ) -> Touch {
-        Touch {
+    ) -> Constraint {
+        Constraint {
             bodies: [Some(position), None],
             inverse_masses: [trajectory.inverse_mass, 0.0],
             restitution: self.wall_restitution(trajectory, wall),
             friction: self.window.wall_friction(index, wall),
             carried: self.window.flight.walls.velocity(wall),
-            ..Touch::of_wall(index, wall, normal)
+            ..Constraint::of_wall(index, wall, normal)
         }
     }
 
@@ -461,25 +461,25 @@ impl Simulation<'_> {
         let offset = vector(|k| q[k] - p[k] + image[k]);
         let trajectories = found.map(|found| found.map(|(.., trajectory)| trajectory));
         let (inverse_masses, restitution) = self.masses_and_restitution(pair, trajectories);
-        let touch = Touch {
+        let touch = Constraint {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             inverse_masses,
             restitution,
             friction: window.pair_friction(pair),
             carried,
             carried_turning,
-            ..Touch::of_discs(pair, code, offset)
+            ..Constraint::of_discs(pair, code, offset)
         };
         self.add(touch);
     }
 
     /// Adds a contact of this moment, unless it is the one whose event it is.
-    fn add(&mut self, touch: Touch) {
+    fn add(&mut self, touch: Constraint) {
         let touches = &mut self.scratch.touches;
         // The event's own contact is the first of the list, and the search for simultaneous
         // contacts finds it a second time. Twice in the list it would get its impulse in two
         // shares, and slow down the iteration.
-        let is_it = |first: &Touch| first.key == touch.key && first.is_same(&touch);
+        let is_it = |first: &Constraint| first.key == touch.key && first.is_same(&touch);
         if !touches.first().is_some_and(is_it) {
             touches.push(touch);
         }

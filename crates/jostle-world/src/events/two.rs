@@ -4,7 +4,7 @@
 
 use super::early::Now;
 use super::history::{Bounce, Trajectory};
-use super::impulses::{self, Touch};
+use super::impulses::{self, Constraint};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
 use super::simulation::Simulation;
@@ -65,12 +65,12 @@ impl Simulation<'_> {
         let pair = [discs[a], discs[b]];
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| now[b].position[k] - now[a].position[k] + image[k]);
-        let touch = Touch {
+        let touch = Constraint {
             bodies: [Some(a), Some(b)],
             inverse_masses: [a, b].map(|k| trajectories[k].inverse_mass),
             restitution: self.pair_restitution(pair, recent),
             friction: window.pair_friction(pair),
-            ..Touch::of_discs(pair, code, offset)
+            ..Constraint::of_discs(pair, code, offset)
         };
         let mut velocities = now.map(|now| now.velocity);
         // With one contact the iteration ends after one turn, so the result is the closed formula

@@ -1,7 +1,7 @@
 //! Attractors: a central force towards a point or a particle.
 
 use super::record::{Found, Record, Renamed, record, refers_to_nothing};
-use super::{Bodies, Force, Partners, Scratch, check_number, check_pair};
+use super::{Force, ForceInput, Partners, Scratch, check_number, check_pair};
 use crate::particles::FARTHEST;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -70,7 +70,7 @@ impl Attractor {
     }
 
     /// The position of the pole, and the index of its particle, if it is one.
-    fn place(&self, bodies: &Bodies<'_>) -> ([f32; 2], Option<usize>) {
+    fn place(&self, bodies: &ForceInput<'_>) -> ([f32; 2], Option<usize>) {
         match self.pole {
             Pole::Point(point) => (point, None),
             Pole::Particle(row) => {
@@ -82,7 +82,7 @@ impl Attractor {
 }
 
 impl Force for Attractor {
-    fn accelerate(&self, bodies: &Bodies<'_>, _: &mut Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(&self, bodies: &ForceInput<'_>, _: &mut Scratch, sums: &mut [[f32; 2]]) {
         let (pole, _) = self.place(bodies);
         let threads = parallel::worthwhile(bodies.threads, sums.len());
         parallel::for_chunks(threads, sums, |first, chunk| {
@@ -96,10 +96,10 @@ impl Force for Attractor {
         });
     }
 
-    fn limit(&self, _: &Bodies<'_>, _: &mut [[f32; 2]]) {}
+    fn limit(&self, _: &ForceInput<'_>, _: &mut [[f32; 2]]) {}
 
     /// The pole is taken as fixed. It does not act on its own particle.
-    fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+    fn energy(&self, bodies: &ForceInput<'_>) -> f64 {
         let (pole, own) = self.place(bodies);
         let energy_of = |index: usize| {
             let offset = [0, 1].map(|k| pole[k] - bodies.positions[index][k]);

@@ -5,7 +5,7 @@
 use super::neighbors::{Found, Law, Own, total};
 use super::pair::check_cutoff;
 use super::record::record;
-use super::{Bodies, Force, Partners, Scratch, check_number};
+use super::{Force, ForceInput, Partners, Scratch, check_number};
 use crate::particles::MAX_KINDS;
 use jostle_base::error::Result;
 use jostle_simd::{LANES, Simd, block};
@@ -54,7 +54,7 @@ impl Flocking {
 }
 
 impl Force for Flocking {
-    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(&self, bodies: &ForceInput<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
         let neighbors = &mut scratch.neighbors;
         neighbors.fill(0, |row| bodies.velocities[row][0]);
         neighbors.fill(1, |row| bodies.velocities[row][1]);
@@ -64,13 +64,13 @@ impl Force for Flocking {
     }
 
     /// Keeps the speeds within the limits.
-    fn limit(&self, bodies: &Bodies<'_>, sums: &mut [[f32; 2]]) {
+    fn limit(&self, bodies: &ForceInput<'_>, sums: &mut [[f32; 2]]) {
         for (acceleration, &velocity) in sums.iter_mut().zip(bodies.velocities) {
             *acceleration = self.limited(velocity, *acceleration, bodies.seconds);
         }
     }
 
-    fn energy(&self, _: &Bodies<'_>) -> f64 {
+    fn energy(&self, _: &ForceInput<'_>) -> f64 {
         0.0
     }
 

@@ -18,7 +18,7 @@ use std::sync::Mutex;
 
 use super::record::record;
 use super::sorted::Sorted;
-use super::{Bodies, Force, Partners, check_number};
+use super::{Force, ForceInput, Partners, check_number};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Stop;
@@ -94,7 +94,12 @@ struct Moment {
 }
 
 impl Force for Gravitation {
-    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut super::Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(
+        &self,
+        bodies: &ForceInput<'_>,
+        scratch: &mut super::Scratch,
+        sums: &mut [[f32; 2]],
+    ) {
         let direct = prepare(self, bodies, &mut scratch.gravitation);
         let Scratch { sorted, all, moments, pulls, lists } = &mut scratch.gravitation;
         let tree = &sorted.tree;
@@ -127,11 +132,11 @@ impl Force for Gravitation {
         }
     }
 
-    fn limit(&self, _: &Bodies<'_>, _: &mut [[f32; 2]]) {}
+    fn limit(&self, _: &ForceInput<'_>, _: &mut [[f32; 2]]) {}
 
     /// It is 0 at infinity, and summed over the same pairs of bodies, or over the same bodies and nodes, as the
     /// accelerations.
-    fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+    fn energy(&self, bodies: &ForceInput<'_>) -> f64 {
         let mut scratch = Scratch::default();
         let direct = prepare(self, bodies, &mut scratch);
         let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
@@ -153,7 +158,7 @@ impl Force for Gravitation {
 
 /// Sorts the bodies and computes the moments of the nodes. Returns whether direct summation is
 /// used.
-fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, scratch: &mut Scratch) -> bool {
+fn prepare(gravitation: &Gravitation, bodies: &ForceInput<'_>, scratch: &mut Scratch) -> bool {
     let Scratch { sorted, all, moments, .. } = scratch;
     // Bodies at the same place are sorted by mass, because nothing else of them enters the sums.
     sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.masses[a].total_cmp(&bodies.masses[b]));

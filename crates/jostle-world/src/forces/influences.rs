@@ -5,8 +5,8 @@ use std::collections::HashSet;
 
 use super::record::{Found, Record, Reference, Renamed};
 use super::{
-    Andersen, Attractor, Bodies, Flocking, Force, Gravitation, Motor, PairForce, Partners, Scratch,
-    Springs, ThermalWalls, Thermostat, bounded,
+    Andersen, Attractor, Flocking, Force, ForceInput, Gravitation, Motor, PairForce, Partners,
+    Scratch, Springs, ThermalWalls, Thermostat, bounded,
 };
 use crate::container::Container;
 use crate::particles::check_kinds_of_table;
@@ -203,7 +203,7 @@ impl Influences {
     }
 
     /// Removes springs that are stretched too far.
-    pub fn break_springs(&mut self, bodies: &Bodies<'_>) {
+    pub fn break_springs(&mut self, bodies: &ForceInput<'_>) {
         for influence in &mut self.list {
             if let Influence::Springs(springs) = influence {
                 springs.break_stretched(bodies);
@@ -215,7 +215,7 @@ impl Influences {
     /// the order of the bodies.
     pub fn accelerate(
         &self,
-        bodies: &Bodies<'_>,
+        bodies: &ForceInput<'_>,
         scratch: &mut Scratch,
         accelerations: &mut Vec<[f32; 2]>,
     ) {

@@ -44,13 +44,13 @@ use record::Record;
 /// A force: it accelerates particles. The order of every sum depends only on the state.
 pub trait Force: Debug + Record {
     /// Adds the acceleration of each body. Those between neighbours find the bodies sorted in `scratch`.
-    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]);
+    fn accelerate(&self, bodies: &ForceInput<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]);
 
     /// Changes the sums of the accelerations by all forces.
-    fn limit(&self, bodies: &Bodies<'_>, sums: &mut [[f32; 2]]);
+    fn limit(&self, bodies: &ForceInput<'_>, sums: &mut [[f32; 2]]);
 
     /// Potential energy of the bodies; 0 if the force has no potential.
-    fn energy(&self, bodies: &Bodies<'_>) -> f64;
+    fn energy(&self, bodies: &ForceInput<'_>) -> f64;
 
     /// On which particles it acts.
     fn partners(&self) -> Partners;
@@ -85,7 +85,7 @@ pub const ASLEEP: u32 = u32::MAX;
 
 /// The particles as arguments of the forces, in any order.
 #[derive(Clone, Copy, Debug)]
-pub struct Bodies<'a> {
+pub struct ForceInput<'a> {
     /// Centres.
     pub positions: &'a [[f32; 2]],
     /// Velocities.
@@ -117,7 +117,7 @@ pub struct Bodies<'a> {
     pub extent: Option<[[f32; 2]; 2]>,
 }
 
-impl Bodies<'_> {
+impl ForceInput<'_> {
     /// The kind of a body.
     pub fn kind(&self, body: usize) -> u8 {
         sparse_value(self.kinds, body)

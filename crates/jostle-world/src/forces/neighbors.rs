@@ -7,7 +7,7 @@
 
 use std::sync::Mutex;
 
-use super::Bodies;
+use super::ForceInput;
 use super::sorted::Sorted;
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel::{self, locked};
@@ -94,7 +94,7 @@ struct List {
 
 impl Scratch {
     /// Sorts the bodies.
-    pub fn sort(&mut self, bodies: &Bodies<'_>) {
+    pub fn sort(&mut self, bodies: &ForceInput<'_>) {
         // Only positions, velocities, masses and kinds enter the sums, so only these order bodies
         // at the same place.
         self.sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.compare(a, b));
@@ -125,7 +125,7 @@ impl Scratch {
     /// of the law.
     pub fn sum<L: Law>(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &ForceInput<'_>,
         cutoff: f32,
         count: usize,
         law: &L,
@@ -159,7 +159,7 @@ impl Scratch {
     /// distance.
     pub fn sum_of_pairs(
         &self,
-        bodies: &Bodies<'_>,
+        bodies: &ForceInput<'_>,
         cutoff: f32,
         value: impl Fn([usize; 2], f64) -> f64 + Sync + Send,
     ) -> f64 {
@@ -178,7 +178,7 @@ impl Scratch {
         parts.iter().sum()
     }
 
-    fn search(&self, bodies: &Bodies<'_>, cutoff: f32, count: usize) -> Search<'_> {
+    fn search(&self, bodies: &ForceInput<'_>, cutoff: f32, count: usize) -> Search<'_> {
         Search {
             tree: &self.sorted.tree,
             x: &self.x,
@@ -191,7 +191,7 @@ impl Scratch {
     }
 }
 
-fn threads(bodies: &Bodies<'_>) -> Option<usize> {
+fn threads(bodies: &ForceInput<'_>) -> Option<usize> {
     let len = bodies.positions.len();
     parallel::threads_for(bodies.threads, len, WORTH_SHARING, WORTH_WAKING)
 }

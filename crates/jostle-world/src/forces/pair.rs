@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
 use super::record::{record, refers_to_nothing};
-use super::{Bodies, Force, Partners, Scratch, check_number};
+use super::{Force, ForceInput, Partners, Scratch, check_number};
 use crate::particles::{FARTHEST, MAX_KINDS};
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::{Error, Result, counted};
@@ -223,7 +223,7 @@ impl Saved for PairTable {
 }
 
 impl Force for PairForce {
-    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(&self, bodies: &ForceInput<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
         let (table, neighbors) = (&*self.table, &mut scratch.neighbors);
         let segments = table.points - 1;
         // The index of the first segment of a kind is a whole number below 2²², exact in float32.
@@ -241,11 +241,11 @@ impl Force for PairForce {
         });
     }
 
-    fn limit(&self, _: &Bodies<'_>, _: &mut [[f32; 2]]) {}
+    fn limit(&self, _: &ForceInput<'_>, _: &mut [[f32; 2]]) {}
 
     /// Half of that of each pair for each of its own bodies; 0 beyond the cutoff, and if the forces are not equal
     /// and opposite.
-    fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+    fn energy(&self, bodies: &ForceInput<'_>) -> f64 {
         let table = &*self.table;
         if table.potentials.is_empty() {
             return 0.0;

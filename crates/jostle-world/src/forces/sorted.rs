@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use super::Bodies;
+use super::ForceInput;
 use jostle_base::interrupt;
 use jostle_base::settings::{DEFAULT_MAX_DEPTH, Settings};
 use jostle_index::quadtree::Quadtree;
@@ -29,7 +29,7 @@ impl Sorted {
     /// the same position.
     pub fn sort(
         &mut self,
-        bodies: &Bodies<'_>,
+        bodies: &ForceInput<'_>,
         most: usize,
         tie: &dyn Fn(usize, usize) -> Ordering,
     ) {

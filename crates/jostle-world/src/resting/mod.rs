@@ -36,7 +36,7 @@ pub use rule::are_touching;
 use rule::{FARTHEST, Start, Surfaces};
 use start::Starts;
 use sweeps::{State, Sweeps};
-use walls::Walls;
+use walls::OnWalls;
 
 /// Blocks in one task of a thread.
 const BLOCKS_OF_A_THREAD: usize = 64;
@@ -88,7 +88,7 @@ pub struct Resting {
     is_fast: bool,
     /// Scratch of the sweeps.
     work: Vec<u8>,
-    walls: Vec<Walls>,
+    walls: Vec<OnWalls>,
     /// Those of a part of the particles each.
     parts: Vec<WallPart>,
     /// How many of these, the first, belong to particles that have contacts of uneven masses.
@@ -101,9 +101,9 @@ const WALL_PART: usize = 4096;
 /// Lists of a part of the particles.
 #[derive(Debug, Default)]
 struct WallPart {
-    walls: Vec<Walls>,
+    walls: Vec<OnWalls>,
     /// The contacts of a particle and walls.
-    found: Vec<segments::Contact>,
+    found: Vec<segments::WallContact>,
     /// The particles that may be near walls.
     near: Vec<u32>,
 }
@@ -365,8 +365,9 @@ impl Resting {
                 let indices = first..kicks.len().min(first + WALL_PART);
                 let near = scene.near_walls(indices, kicks, near).iter();
                 let near = near.map(|&index| index as usize).filter(is_listed);
-                walls
-                    .extend(near.filter_map(|index| Walls::of(index, scene, &kicks[index], found)));
+                walls.extend(
+                    near.filter_map(|index| OnWalls::of(index, scene, &kicks[index], found)),
+                );
             });
             // Joined in the order of particles, whichever thread has made a part.
             parts.iter_mut().for_each(|part| walls.append(&mut part.walls));

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 
 use super::pairs::{Pass, Phase, Sweep};
-use super::walls::Walls;
+use super::walls::OnWalls;
 use super::{Support, sum};
 use crate::contacts::{Block, Blocks};
 use crate::flow::Kick;
@@ -58,7 +58,7 @@ pub struct Sweeps<'a> {
     /// The contacts of two particles.
     pub pairs: &'a mut Blocks,
     /// The particles with wall contacts. Those with contacts of uneven masses come first.
-    pub walls: &'a mut [Walls],
+    pub walls: &'a mut [OnWalls],
     pub uneven_walls: usize,
     /// Springs that are solved together with the contacts.
     pub springs: Option<&'a mut SpringSolver>,
@@ -74,7 +74,7 @@ impl Sweeps<'_> {
         let Support { threads, halo, .. } = *self.all.scene;
         // Several threads of one process need no list of work: they pass empty blocks quickly.
         // Processes need it, because each colour with work costs a message.
-        let has_fast = self.has_fast || self.walls.iter().any(Walls::is_fast);
+        let has_fast = self.has_fast || self.walls.iter().any(OnWalls::is_fast);
         if halo.is_alone() && parallel::is_parallel(threads) {
             return self.run_together(has_fast);
         }
@@ -291,7 +291,7 @@ impl Sweeps<'_> {
 /// Blocks, and particles at walls, of one thread, as springs see them.
 struct Alone<'a> {
     blocks: &'a mut [Block],
-    walls: &'a mut [Walls],
+    walls: &'a mut [OnWalls],
 }
 
 impl Pushes for Alone<'_> {
@@ -321,7 +321,7 @@ struct Together<'a, 'b, 'w> {
     parts: &'a [Mutex<&'b mut [Block]>],
     /// The part of each block, and its number there.
     of_block: &'a [[usize; 2]],
-    walls: &'a [Mutex<&'w mut [Walls]>],
+    walls: &'a [Mutex<&'w mut [OnWalls]>],
 }
 
 impl Pushes for Together<'_, '_, '_> {
@@ -412,7 +412,7 @@ impl State<'_> {
         )
     }
 
-    fn solve_walls(&self, walls: &mut [Walls], pass: Pass) {
+    fn solve_walls(&self, walls: &mut [OnWalls], pass: Pass) {
         for of in walls {
             if pass == Pass::Start {
                 of.start(self.velocities, self.surface_speeds);

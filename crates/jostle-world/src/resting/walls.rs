@@ -15,17 +15,17 @@ const OPPOSED: f32 = -0.5;
 
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
-pub struct Walls {
+pub struct OnWalls {
     pub index: u32,
     /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for
     /// points.
     softness: f32,
-    contacts: [Option<WallContact>; MAX_WALLS],
+    contacts: [Option<RestingContact>; MAX_WALLS],
 }
 
 /// A wall on which a particle rests.
 #[derive(Clone, Copy, Debug)]
-struct WallContact {
+struct RestingContact {
     /// The number of the wall.
     wall: u32,
     inward: [f32; 2],
@@ -39,13 +39,13 @@ struct WallContact {
     pushes: [[f32; 2]; 2],
 }
 
-impl Walls {
+impl OnWalls {
     /// The particle, if a wall contact of it may rest in this sub-step.
     pub fn of(
         index: usize,
         scene: &Support<'_>,
         kick: &Kick,
-        found: &mut Vec<walls::Contact>,
+        found: &mut Vec<walls::WallContact>,
     ) -> Option<Self> {
         let motions = scene.motions;
         let (position, radius) = (motions.position(index as u32), scene.particles.radii[index]);
@@ -63,10 +63,10 @@ impl Walls {
             found.clear();
         }
         let (is_between, before) = (!found.is_empty(), scene.impulses_before(index));
-        let rest = |contact: &walls::Contact, curve: f32| {
+        let rest = |contact: &walls::WallContact, curve: f32| {
             let own = before.iter().find(|of| of.wall == contact.wall);
             let pushes = own.map_or([0.0; 2], |of| of.pushes);
-            WallContact::of(index, (contact, curve, pushes), is_between, scene, kick)
+            RestingContact::of(index, (contact, curve, pushes), is_between, scene, kick)
         };
         let container = scene.walls.container;
         if !container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
@@ -191,13 +191,13 @@ impl Walls {
     }
 }
 
-impl WallContact {
+impl RestingContact {
     /// The contact with a wall, with the radius of the curve on which the particle slides along it and
-    /// the impulses of the sub-step before, if it may rest in this sub-step. `is_between` tells whether walls beside those of the container are
-    /// near.
+    /// the impulses of the sub-step before, if it may rest in this sub-step. `is_between` tells whether walls
+    /// beside those of the container are near.
     fn of(
         index: usize,
-        (contact, curve, pushes): (&walls::Contact, f32, [f32; 2]),
+        (contact, curve, pushes): (&walls::WallContact, f32, [f32; 2]),
         is_between: bool,
         scene: &Support<'_>,
         kick: &Kick,
@@ -247,7 +247,7 @@ impl WallContact {
 /// Lets the impulses of a particle between walls at an acute angle begin at 0. They are large, and
 /// nearly cancel; from 0 on, each iteration makes the particle slower, also where they do not
 /// converge.
-fn forget_wedges(contacts: &mut [Option<WallContact>; MAX_WALLS]) {
+fn forget_wedges(contacts: &mut [Option<RestingContact>; MAX_WALLS]) {
     let inward = |at: usize| contacts[at].map_or([0.0; 2], |contact| contact.inward);
     let are_opposed = |a: usize, b: usize| {
         let ([x, y], [u, v]) = (inward(a), inward(b));

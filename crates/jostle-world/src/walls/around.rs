@@ -251,7 +251,7 @@ impl Around<'_> {
         (position, time): (Vector, f64),
         radius: f64,
         extent: f64,
-        found: &mut Vec<super::Contact>,
+        found: &mut Vec<super::WallContact>,
     ) {
         found.clear();
         let path = Path { position: position.map(|v| v as f32), displacement: [0.0; 2] };

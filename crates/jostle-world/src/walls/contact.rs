@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::{Around, Part, Walls, index_of, less};
-use crate::container::Contact;
+use crate::container::WallContact;
 use crate::trajectory::{Vector, dot, vector};
 
 /// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in
@@ -22,7 +22,7 @@ const OPPOSED: f64 = -0.5;
 /// Walls whose angle has a smaller sine count as parallel.
 const PARALLEL: f64 = 1e-6;
 
-impl Contact {
+impl WallContact {
     /// Whether two contacts are in the same direction, so that only one of them counts.
     pub fn is_same(&self, other: &Self) -> bool {
         dot(self.normal, other.normal) > SAME
@@ -37,7 +37,7 @@ impl Contact {
 
 impl Walls {
     /// The contact of a disc and the closest point of the wall with a number.
-    pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> Contact {
+    pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> WallContact {
         let line = self.numbered(wall);
         let offset = line.offset(position);
         let distance = dot(offset, offset).sqrt();
@@ -55,11 +55,11 @@ impl Walls {
         };
         // Without −0.
         let normal = normal.map(|v| v + 0.0);
-        Contact { wall, normal, gap: distance - line.contact_distance(radius), is_end }
+        WallContact { wall, normal, gap: distance - line.contact_distance(radius), is_end }
     }
 
     /// The same, if the part of the wall that is closest acts on the disc.
-    pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<Contact> {
+    pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<WallContact> {
         let index = index_of(wall)?;
         let part = self.line(index).part_at(position);
         self.acts(index, part, position, radius).then(|| self.contact(wall, position, radius))
@@ -112,8 +112,8 @@ impl Around<'_> {
             let deepest = least(contacts(), |of| of.gap);
             let Some(deepest) = deepest.filter(|of| of.gap < 0.0 && left > 0.0) else { break };
             // The gap that would remain after a push out of the deepest wall alone.
-            let after = |of: &Contact| of.gap - deepest.gap * dot(of.normal, deepest.normal);
-            let is_opposed = |of: &Contact| dot(of.normal, deepest.normal) < OPPOSED;
+            let after = |of: &WallContact| of.gap - deepest.gap * dot(of.normal, deepest.normal);
+            let is_opposed = |of: &WallContact| dot(of.normal, deepest.normal) < OPPOSED;
             let opposed = least(contacts().filter(is_opposed), after).filter(|of| after(of) < 0.0);
             let both = opposed.and_then(|other| out_of_both(&deepest, &other));
             let (direction, length) = both.unwrap_or((deepest.normal, -deepest.gap));
@@ -132,13 +132,16 @@ impl Around<'_> {
 }
 
 /// The contact with the least value; of equal ones that of the first wall.
-fn least(all: impl Iterator<Item = Contact>, value: impl Fn(&Contact) -> f64) -> Option<Contact> {
+fn least(
+    all: impl Iterator<Item = WallContact>,
+    value: impl Fn(&WallContact) -> f64,
+) -> Option<WallContact> {
     all.min_by(|a, b| value(a).total_cmp(&value(b)).then_with(|| a.compare(b)))
 }
 
 /// Unit vector and length of the displacement after which the gaps of two opposed contacts are 0,
 /// or equal if their walls are parallel and leave no room. The first has the smaller gap.
-fn out_of_both(a: &Contact, b: &Contact) -> Option<(Vector, f64)> {
+fn out_of_both(a: &WallContact, b: &WallContact) -> Option<(Vector, f64)> {
     let ([p, q], [u, v]) = (a.normal, b.normal);
     let sine = p * v - q * u;
     if sine.abs() < PARALLEL {

@@ -16,7 +16,7 @@ mod torus;
 
 use std::cmp::Ordering;
 
-pub use crate::container::Contact;
+pub use crate::container::WallContact;
 use crate::container::{Container, MAX_WALLS, size};
 use crate::motion::exact;
 use crate::particles::FARTHEST;

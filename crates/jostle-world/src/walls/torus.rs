@@ -3,7 +3,7 @@
 //! The tree contains the images that may touch a disc which begins a step on the torus and stays in
 //! its bounds. The position of a disc farther away is moved to the torus first.
 
-use super::{Contact, Wall, Walls, index_of};
+use super::{Wall, WallContact, Walls, index_of};
 use crate::container::size;
 use crate::tolerance::ROUNDING;
 use crate::trajectory::{Vector, dot, vector};
@@ -92,15 +92,15 @@ pub(super) fn each_tile(
 }
 
 impl Walls {
-    /// The contact of a disc and the wall with a number, also of the container; on a torus that with the nearest image. Of
-    /// images at the same distance it is that which the disc approaches fastest.
+    /// The contact of a disc and the wall with a number, also of the container; on a torus that with the nearest
+    /// image. Of images at the same distance it is that which the disc approaches fastest.
     pub fn nearest_contact(
         &self,
         wall: u32,
         position: Vector,
         velocity: Vector,
         radius: f64,
-    ) -> Option<Contact> {
+    ) -> Option<WallContact> {
         if index_of(wall).is_none() {
             return self.container.side(wall).map(|side| side.contact(wall, position, radius));
         }
@@ -119,7 +119,7 @@ impl Walls {
         // get the normal of the one that it leaves.
         let least = all.clone().map(|of| of.gap).fold(f64::INFINITY, f64::min);
         let most = least + ROUNDING * size(position, radius);
-        let speed = |of: &Contact| dot(of.normal, velocity);
+        let speed = |of: &WallContact| dot(of.normal, velocity);
         let nearest = all.filter(|of| of.gap <= most);
         nearest.min_by(|a, b| speed(a).total_cmp(&speed(b)))
     }

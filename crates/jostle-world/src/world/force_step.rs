@@ -1,12 +1,12 @@
 //! The forces of a world in a step: accelerations, kicks and springs.
 
-use super::bodies as world_bodies;
+use super::bodies::Bodies;
 use super::displacements::id_of;
 use super::external::has_accelerations;
 use super::{World, WorldSettings};
 use crate::container::Container;
 use crate::flow::{Flow, Kick};
-use crate::forces::{self, ASLEEP, Bodies, Influences, springs::SpringSolver};
+use crate::forces::{self, ASLEEP, ForceInput, Influences, springs::SpringSolver};
 use crate::motion::Motions;
 use crate::particles::{self, Particles};
 use crate::world::bodies::discs::Discs;
@@ -118,7 +118,7 @@ impl World {
         // Forces sort by a tree. All ranks need the same extent, or the Morton order would differ.
         let extent = self.everywhere().extent(&self.scratch.forces.halfway)?;
         let Self {
-            bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
+            bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
             external,
             settings,
             scratch,
@@ -126,8 +126,8 @@ impl World {
         } = self;
         let ForceScratch { all: scratch, indices, halfway, velocities, accelerations, .. } =
             &mut scratch.forces;
-        let bodies = bodies(particles, halfway, (rows, indices), settings);
-        let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
+        let bodies = force_input(particles, halfway, (rows, indices), settings);
+        let bodies = ForceInput { velocities, seconds: h, extent, ..bodies };
         self.influences.accelerate(&bodies, scratch, accelerations);
         // External accelerations come after the limits of forces, so the speed limits of a flock do
         // not cut them.
@@ -140,7 +140,7 @@ impl World {
 /// Estimates displacements by springs, and finds out whether any are stiff.
 fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
     let World {
-        bodies: world_bodies::Bodies { awake: Discs { particles, rows, .. }, .. },
+        bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
         influences,
         settings,
         scratch,
@@ -153,7 +153,7 @@ fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
     if all.clone().next().is_none() {
         return;
     }
-    let bodies = bodies(particles, &particles.positions, (rows, indices), settings);
+    let bodies = force_input(particles, &particles.positions, (rows, indices), settings);
     *are_springs_stiff =
         forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums);
     let velocities = &particles.velocities;
@@ -193,7 +193,7 @@ pub(crate) fn apply_andersen(world: &mut World, dt: f32, threads: Option<usize>)
 pub(crate) fn break_springs(world: &mut World) {
     let (particles, settings) = (&world.bodies.awake.particles, &world.settings);
     let rows = (&world.bodies.awake.rows[..], &world.scratch.forces.indices[..]);
-    let bodies = bodies(particles, &particles.positions, rows, settings);
+    let bodies = force_input(particles, &particles.positions, rows, settings);
     world.influences.break_springs(&bodies);
 }
 
@@ -227,14 +227,14 @@ pub(crate) fn find_indices(
 
 /// The particles at some positions, as arguments of the forces, with the row of each index and the
 /// index of each row.
-pub(crate) fn bodies<'a>(
+pub(crate) fn force_input<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
     (rows, indices): (&'a [u32], &'a [u32]),
     settings: &WorldSettings,
-) -> Bodies<'a> {
+) -> ForceInput<'a> {
     let (container, threads) = (settings.container, settings.tree.threads);
-    Bodies {
+    ForceInput {
         positions,
         velocities: &particles.velocities,
         masses: &particles.masses,

@@ -72,7 +72,8 @@ impl World {
     ///
     /// An attempt that reaches sleeping islands is undone, they wake, and the next attempt begins. So no particle
     /// meets a sleeping one, and the stages know nothing of sleeping. After [`MAX_ATTEMPTS`] such attempts the next
-    /// one wakes all islands, so that the loop ends. An attempt on which processes do not agree is repeated with more ghosts.
+    /// one wakes all islands, so that the loop ends. An attempt on which processes do not agree is repeated with more
+    /// ghosts.
     fn step_until_complete(&mut self, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
         let single = dt as f32;
         // Motors drive before the first attempt, because all attempts begin with the same

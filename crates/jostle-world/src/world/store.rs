@@ -16,8 +16,8 @@ use jostle_base::parallel;
 const STORED: usize = 1 << 14;
 
 /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
-/// the columns and writes all motions, so nothing is to be loaded. That relies on an invariant: between the beginning of a part
-/// and its first events nothing writes `motions`. What changes velocities before is in the kicks.
+/// the columns and writes all motions, so nothing is to be loaded. That relies on an invariant: between the
+/// beginning of a part and its first events nothing writes `motions`. What changes velocities before is in the kicks.
 pub(crate) fn load_motions(world: &mut World, plan: &Plan) {
     let threads = plan.threads;
     let are_read = plan.has_kicks() || !world.bodies.awake.particles.spins.is_empty();

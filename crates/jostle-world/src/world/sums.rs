@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::World;
+use super::bodies::Bodies;
 use super::bodies::discs::Discs;
-use super::force_step::{bodies, find_indices};
+use super::force_step::{find_indices, force_input};
 use crate::container::Container;
-use crate::forces::{Bodies, Influence, Role, Springs};
+use crate::forces::{ForceInput, Influence, Role, Springs};
 use crate::particles::Particles;
 use jostle_base::bytes::Plain;
 use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
@@ -75,8 +76,8 @@ pub(crate) fn energy_in_forces(world: &World) -> f64 {
     find_indices(influences, rows, all.asleep.len(), &mut indices);
     let wrap = |&position| settings.container.period().wrap(position);
     let wrapped: Vec<[f32; 2]> = particles.positions.iter().map(wrap).collect();
-    let bodies = bodies(particles, &wrapped, (rows, &indices), settings);
-    let bodies = Bodies { own_rows: halo.own_rows(), ..bodies };
+    let bodies = force_input(particles, &wrapped, (rows, &indices), settings);
+    let bodies = ForceInput { own_rows: halo.own_rows(), ..bodies };
     let of_influence = |influence: &Influence| match influence.role() {
         Role::Force(force) => force.energy(&bodies),
         Role::Springs(springs) => energy_of_springs(springs, all, &settings.container),
@@ -86,11 +87,7 @@ pub(crate) fn energy_in_forces(world: &World) -> f64 {
 }
 
 /// Energy of springs, also between sleeping particles.
-fn energy_of_springs(
-    springs: &Springs,
-    bodies: &super::bodies::Bodies,
-    container: &Container,
-) -> f64 {
+fn energy_of_springs(springs: &Springs, bodies: &Bodies, container: &Container) -> f64 {
     let mut positions = vec![[0.0; 2]; bodies.len()];
     for (row, index) in bodies.rows_and_indices() {
         let (all, at) = bodies.disc_at(index as usize);

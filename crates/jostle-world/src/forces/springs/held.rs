@@ -47,7 +47,7 @@ const SOFTNESS: f64 = 1e-6;
 pub struct Scratch {
     /// The stiff body of each particle.
     body_of: Vec<u32>,
-    found: Vec<walls::Contact>,
+    found: Vec<walls::WallContact>,
     /// Whether any body is held.
     pub any: bool,
     /// The particles of held bodies, and those that they touch.
@@ -176,7 +176,7 @@ impl Surroundings<'_> {
     }
 
     /// Whether a particle is near a wall or a side of the container.
-    fn is_near_wall(&self, index: u32, found: &mut Vec<walls::Contact>) -> bool {
+    fn is_near_wall(&self, index: u32, found: &mut Vec<walls::WallContact>) -> bool {
         let position = self.motions.position(index);
         let radius = self.particles.radii[index as usize];
         let far = self.reach(self.velocities(index)) + NEAR * radius;

@@ -17,7 +17,7 @@ use std::ops::Range;
 pub use held::{Place, Push, Pushes, Surroundings};
 
 use super::record::{Found, Record, Renamed, record};
-use super::{ASLEEP, Bodies, check_number};
+use super::{ASLEEP, ForceInput, check_number};
 use crate::container::Container;
 use crate::flow::Kick;
 use crate::motion::Motions;
@@ -130,7 +130,7 @@ impl Springs {
     }
 
     /// Removes springs whose stretch exceeds their maximum.
-    pub fn break_stretched(&mut self, bodies: &Bodies<'_>) {
+    pub fn break_stretched(&mut self, bodies: &ForceInput<'_>) {
         // A sleeping end has no index, and its spring does not stretch.
         self.0.retain(|spring| {
             spring.max_stretch == f32::INFINITY
@@ -142,7 +142,7 @@ impl Springs {
 }
 
 /// The length of a spring.
-fn length(spring: &Spring, bodies: &Bodies<'_>) -> f64 {
+fn length(spring: &Spring, bodies: &ForceInput<'_>) -> f64 {
     let ends = spring.pair.map(|row| bodies.positions[bodies.indices[row as usize] as usize]);
     distance(ends, &bodies.container)
 }
@@ -157,7 +157,7 @@ fn distance([a, b]: [[f32; 2]; 2], container: &Container) -> f64 {
 /// one end of a spring may move the other end within the step.
 pub fn estimate_displacements<'a>(
     springs: impl Iterator<Item = &'a Spring> + Clone,
-    bodies: &Bodies<'_>,
+    bodies: &ForceInput<'_>,
     velocities: &[[f32; 2]],
     dt: f32,
     islands: &mut DisjointSets,
@@ -263,7 +263,7 @@ fn is_stiff([stiffness, damping]: [f64; 2], h: f64) -> bool {
 /// Whether any body is stiff in sub-steps of `h` seconds. `sums` is scratch.
 pub fn are_stiff<'a>(
     springs: impl Iterator<Item = &'a Spring>,
-    bodies: &Bodies<'_>,
+    bodies: &ForceInput<'_>,
     movable: &[bool],
     h: f64,
     sums: &mut Vec<[f64; 2]>,

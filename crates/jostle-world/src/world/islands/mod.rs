@@ -1,17 +1,17 @@
 //! Islands: particles that touch or are tied by springs, and that fall asleep and wake together.
 //!
-//! An island that rests is taken out of the columns that a step works on, with its contacts and the impulses of walls on
-//! it, and appended to `bodies.asleep`. Most particles of a pile then cost nothing. It returns if a step would touch it,
-//! or if a change between steps concerns it. So no particle ever meets a sleeping one, and the stages of a step know
-//! nothing of sleeping.
+//! An island that rests is taken out of the columns that a step works on, with its contacts and the impulses of walls
+//! on it, and appended to `bodies.asleep`. Most particles of a pile then cost nothing. It returns if a step would touch
+//! it, or if a change between steps concerns it. So no particle ever meets a sleeping one, and the stages of a step
+//! know nothing of sleeping.
 //!
 //! - `motion`: how particles moved in the last quarters of a second, and which islands are slow by that.
 //! - `groups`: which particles form an island, and what each rests on.
 //! - `sleep`: which islands fall asleep at the end of a step, and their removal from the columns.
 //! - `wake`: which sleeping islands a step would touch, and their return.
 //!
-//! [`Islands`] has the working memory of all four. What is kept from step to step is in the columns: the recent motion of
-//! each awake particle in `Persistent`, the sleeping islands in `Asleep`.
+//! [`Islands`] has the working memory of all four. What is kept from step to step is in the columns: the recent motion
+//! of each awake particle in `Persistent`, the sleeping islands in `Asleep`.
 
 pub(crate) mod groups;
 pub(crate) mod motion;

@@ -84,8 +84,8 @@ impl Default for IslandMotion {
     }
 }
 
-/// The number of the quarter of a second in which a time lies. Quarters are counted from time 0, and not from the moment
-/// when an island came to rest. So all processes, and a world that was restored, end them in the same step.
+/// The number of the quarter of a second in which a time lies. Quarters are counted from time 0, and not from the
+/// moment when an island came to rest. So all processes, and a world that was restored, end them in the same step.
 pub(super) fn quarter(time: f64) -> f64 {
     ((time + SHORTER) / QUARTER).floor()
 }
@@ -96,8 +96,8 @@ fn magnitude(gravity: [f32; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// Adds the displacements of a step of `dt` seconds to the recent motions of all particles. Those of `exhausted` rows, and
-/// of rows with an external acceleration, become unknown.
+/// Adds the displacements of a step of `dt` seconds to the recent motions of all particles. Those of `exhausted` rows,
+/// and of rows with an external acceleration, become unknown.
 pub(super) fn note_motions(
     discs: &mut Discs,
     settings: &WorldSettings,

@@ -152,7 +152,8 @@ pub(crate) fn wake(world: &mut World, islands: &[u32]) {
     append(&woken, bodies, contacts, indices);
 }
 
-/// Appends islands that wake to the columns, with their contacts. `indices` has [`NONE`] for each row, before and after.
+/// Appends islands that wake to the columns, with their contacts. `indices` has [`NONE`] for each row, before and
+/// after.
 fn append(woken: &Sleepers, bodies: &mut Bodies, contacts: &mut Contacts, indices: &mut [u32]) {
     let Discs { particles, rows, persistent } = &woken.discs;
     let first = bodies.awake.rows.len();
