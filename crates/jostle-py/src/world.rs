@@ -3,7 +3,7 @@
 mod boundaries;
 mod columns;
 mod edits;
-mod given;
+mod external;
 mod ids;
 mod properties;
 mod ranks;

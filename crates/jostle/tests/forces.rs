@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use jostle_base::{Id, Method};
 use jostle_scenes::random::Random;
 use jostle_world::forces::{
-    self, Attractor, Bodies, Gravitation, Influences, Law, Pole, Spring, Springs, Thermostat,
+    self, Attractor, ForceInput, Gravitation, Influences, Law, Pole, Spring, Springs, Thermostat,
 };
 use jostle_world::{Container, Influence, Particles, World, WorldSettings};
 
@@ -75,7 +75,7 @@ fn accelerations(
     let (velocities, rows) =
         (&vec![[0.0; 2]; radii.len()], &(0..radii.len() as u32).collect::<Vec<_>>());
     let (radii, places, seconds, method) = (&radii[..], &[][..], 0.0, Method::Quadtree);
-    let bodies = Bodies {
+    let bodies = ForceInput {
         positions,
         velocities,
         masses,

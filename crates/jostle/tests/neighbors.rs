@@ -7,7 +7,7 @@ use jostle_base::Method;
 use jostle_index::Each;
 use jostle_scenes::random::Random;
 use jostle_simd::{self as simd, Instructions};
-use jostle_world::forces::{self, Bodies, Flocking, Influences, PairForce, PairTable};
+use jostle_world::forces::{self, Flocking, ForceInput, Influences, PairForce, PairTable};
 use jostle_world::{Changes, Container, Influence, OnTouch, Particles, World, WorldSettings};
 use proptest::prelude::*;
 
@@ -46,7 +46,7 @@ impl State {
     ) -> Vec<[f32; 2]> {
         let len = self.positions.len();
         let rows: Vec<u32> = (0..len as u32).collect();
-        let bodies = Bodies {
+        let bodies = ForceInput {
             positions: &self.positions,
             velocities: &self.velocities,
             masses: &self.masses,

@@ -157,6 +157,26 @@ impl Bodies {
     }
 }
 
+/// Removes what belongs to removed rows, and gives the rest the rows that they have then.
+pub(crate) fn renumber<V>(
+    all: &mut Vec<V>,
+    row: impl Fn(&mut V) -> &mut u32,
+    (gone, shifted): (&[bool], &[u32]),
+) {
+    all.retain_mut(|of| {
+        let row = row(of);
+        let stays = !gone[*row as usize];
+        *row = shifted[*row as usize];
+        stays
+    });
+}
+
+/// Removes some values of a column.
+pub(crate) fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
+    let mut gone = gone.iter();
+    column.retain(|_| gone.next().is_some_and(|&gone| !gone));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,24 +202,4 @@ mod tests {
         assert_eq!((ids.add(0), &ids), (Ok(Id::MAX..Id::MAX), &before));
         assert_eq!([4, Id::MAX - 1, Id::MAX].map(|id| ids.row(id)), [Some(0), Some(2), None]);
     }
-}
-
-/// Removes what belongs to removed rows, and gives the rest the rows that they have then.
-pub(crate) fn renumber<V>(
-    all: &mut Vec<V>,
-    row: impl Fn(&mut V) -> &mut u32,
-    (gone, shifted): (&[bool], &[u32]),
-) {
-    all.retain_mut(|of| {
-        let row = row(of);
-        let stays = !gone[*row as usize];
-        *row = shifted[*row as usize];
-        stays
-    });
-}
-
-/// Removes some values of a column.
-pub(crate) fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
-    let mut gone = gone.iter();
-    column.retain(|_| gone.next().is_some_and(|&gone| !gone));
 }

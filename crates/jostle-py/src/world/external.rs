@@ -83,18 +83,18 @@ impl PyWorld {
     /// [[0.0, -1.0]]
     #[getter]
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let given = self.long(py, |state| {
-            let mut given = state.world.external_accelerations().to_vec();
-            given.resize(state.world.len(), [0.0; 2]);
-            given
+        let external = self.long(py, |state| {
+            let mut external = state.world.external_accelerations().to_vec();
+            external.resize(state.world.len(), [0.0; 2]);
+            external
         })?;
-        Ok(read_only(table(py, given)?))
+        Ok(read_only(table(py, external)?))
     }
 
     #[setter]
     fn set_accelerations(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let len = self.state(py)?.world.len();
-        let given = vectors("accelerations", value, len)?.unwrap_or_else(|| vec![[0.0; 2]; len]);
-        self.long(py, |state| state.world.set_accelerations(given))?.map_err(refused)
+        let external = vectors("accelerations", value, len)?.unwrap_or_else(|| vec![[0.0; 2]; len]);
+        self.long(py, |state| state.world.set_accelerations(external))?.map_err(refused)
     }
 }

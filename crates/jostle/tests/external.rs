@@ -11,7 +11,7 @@ fn discs(positions: &[[f32; 2]]) -> Particles {
 }
 
 #[test]
-fn a_given_acceleration_leads_to_a_parabola() {
+fn an_external_acceleration_leads_to_a_parabola() {
     let mut world = world_of(discs(&[[0.0; 2], [5.0, 0.0]]), WorldSettings::default());
     world.set_accelerations(vec![[3.0, -4.0], [0.0; 2]]).unwrap();
     assert_eq!(world.external_accelerations(), [[3.0, -4.0], [0.0; 2]]);
@@ -93,7 +93,7 @@ fn the_bits_are_the_same_however_it_is_computed() {
 }
 
 #[test]
-fn snapshots_contain_what_was_given() {
+fn snapshots_contain_external_accelerations() {
     let order: Vec<usize> = (0..200).collect();
     let mut world = crowd(&order, Method::Quadtree, 1);
     run(&mut world, 20);
@@ -131,7 +131,7 @@ fn pushed_particles_do_not_sleep_and_others_do() {
 }
 
 #[test]
-fn particles_that_merge_keep_the_given_force() {
+fn particles_that_merge_keep_the_external_force() {
     let mut all = discs(&[[0.0; 2], [0.9, 0.0]]);
     all.masses = vec![1.0, 3.0];
     let settings = WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() };
