@@ -11,7 +11,7 @@ use crate::world::World;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Asleep;
 use crate::world::bodies::discs::Discs;
-use crate::world::bounds::{distance_at, distance_of_fall, rounding};
+use crate::world::reach::{distance_at, distance_of_fall, rounding};
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
 

@@ -34,7 +34,7 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::distribution::{Agreement, Protocol};
 use crate::world::external::has_accelerations;
-use crate::world::step::too_many_collisions;
+use crate::world::substeps::too_many_collisions;
 use crate::world::{OnTouch, Stats, World};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;

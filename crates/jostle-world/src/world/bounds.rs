@@ -8,8 +8,11 @@ use std::cmp;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::force_step::{ForceScratch, force_displacement};
+use super::force_step::force_displacement;
 use super::plan::Plan;
+use super::reach::{
+    FreeReaches, distance_at, distance_of_fall, rest_distance, rounding, rounding_of, torus_sides,
+};
 use super::renewal::{Crowding, Renewed};
 use super::search::MAX_CANDIDATES;
 use super::{OnTouch, World, WorldSettings};
@@ -43,9 +46,6 @@ const MAX_TESTS_OF_EACH: usize = 1 << 12;
 /// is at most another quarter.
 const ONE_CIRCLE: f64 = 1.6;
 
-/// Share of the radius within which surfaces may come to rest, whatever their speeds.
-const SLACK: f32 = 0.005;
-
 /// Share of the radius by which bounds are larger than needed for contacts, because of rounding.
 const RESERVE: f32 = 0.001;
 
@@ -65,7 +65,7 @@ pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
     let usual = (horizon.usual_speed * dt).min(settings.container.max_reach());
     let accelerations = &forces.accelerations;
     let fall = distance_of_fall(settings.gravity, dt);
-    let free = FreeDisplacements::new(settings, forces, plan.dt);
+    let free = FreeReaches::new(settings, forces, plan.dt);
     // Particles that merge are not searched again, so their bounds contain the estimated
     // displacements by springs.
     let is_merging = settings.on_touch == OnTouch::Merge;
@@ -124,42 +124,11 @@ pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
     !is_cut.into_inner()
 }
 
-/// How far particles get in a step by their velocities and by forces, if nothing hits them.
-pub(crate) struct FreeDisplacements<'a> {
-    accelerations: &'a [[f32; 2]],
-    fall: f32,
-    longest: f32,
-    dt: f32,
-}
-
-impl<'a> FreeDisplacements<'a> {
-    /// Those of a step of `dt` seconds.
-    pub(crate) fn new(settings: &WorldSettings, forces: &'a ForceScratch, dt: f32) -> Self {
-        let fall = distance_of_fall(settings.gravity, dt);
-        let longest = settings.container.max_reach();
-        Self { accelerations: &forces.accelerations, fall, longest, dt }
-    }
-
-    /// That of a particle.
-    pub(crate) fn of(&self, particles: &Particles, index: usize) -> f32 {
-        let pulled = || force_displacement(self.accelerations.get(index), None, self.dt);
-        let is_movable = particles.movable[index];
-        let by_forces = if is_movable { self.fall + pulled().unwrap_or(0.0) } else { 0.0 };
-        (distance_at(particles.velocities[index], self.dt) + by_forces).min(self.longest)
-    }
-
-    /// The same, but at most how far bounds let it get. Unlike bounds it depends on no other
-    /// particle.
-    pub(crate) fn within(&self, particles: &Particles, index: usize, bounds: f32) -> f32 {
-        self.of(particles, index).min(bounds)
-    }
-}
-
 /// Makes bounds contain what contacts are made of: displacements and radii, with the index of each
 /// particle.
 fn contain_contacts<'a>(
     particles: &Particles,
-    free: &FreeDisplacements<'_>,
+    free: &FreeReaches<'_>,
     bounds: impl Iterator<Item = ((&'a mut f32, &'a mut f32), usize)>,
 ) {
     for ((reach, radius), index) in bounds {
@@ -168,43 +137,6 @@ fn contain_contacts<'a>(
         *radius += (least - *reach).max(0.0);
         *reach = reach.max(least);
     }
-}
-
-/// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
-#[inline(always)]
-pub(crate) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
-    // The factor is a reserve for the rounding of these operations, which is below 10⁻⁶ in all.
-    (u * u + v * v).sqrt() * dt * 1.000_01
-}
-
-/// The distance that a particle at rest falls in `dt` seconds.
-pub(crate) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
-    0.5 * dt * dt * (x * x + y * y).sqrt()
-}
-
-/// How far from its surface at the beginning of a step a particle may rest on another: its free
-/// displacement, but at most its radius, and a share of its radius for surfaces that nearly touch.
-#[inline(always)]
-pub(crate) fn rest_distance(free: f32, radius: f32) -> f32 {
-    // Without the limit by the radius a fast particle would have a contact with each on its way.
-    free.min(radius) + SLACK * radius
-}
-
-/// Upper bound of the residual of a position, which on a torus may be that of the far side, and of
-/// the error of a distance of about the radius in float32.
-pub(crate) fn rounding(position: [f32; 2], radius: f32, container: &Container) -> f32 {
-    rounding_of(position, radius, torus_sides(container))
-}
-
-#[inline(always)]
-fn rounding_of([x, y]: [f32; 2], radius: f32, sides: f32) -> f32 {
-    f32::EPSILON * (x.abs() + y.abs() + sides + 4.0 * radius)
-}
-
-/// Sum of the sides of a torus; 0 for other containers.
-fn torus_sides(container: &Container) -> f32 {
-    let [width, height] = container.period().sides();
-    width + height
 }
 
 /// A circle in which a particle may be at some time of the step.

@@ -3,8 +3,8 @@
 
 use std::cell::Cell;
 
-use super::bounds::{FreeDisplacements, rest_distance};
 use super::plan::Plan;
+use super::reach::{FreeReaches, rest_distance};
 use super::refinement::own_refinement;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
@@ -55,7 +55,7 @@ impl World {
         // candidates became contacts, a fast particle far away would change the colours, and with
         // them the order of solving and the bits of a pile.
         if plan.may_rest {
-            let free = FreeDisplacements::new(settings, forces, plan.dt);
+            let free = FreeReaches::new(settings, forces, plan.dt);
             rest_distances.clear();
             let all = particles.radii.iter().enumerate();
             rest_distances.extend(

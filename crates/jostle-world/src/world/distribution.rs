@@ -1,19 +1,16 @@
 //! How a world is distributed over processes.
 //!
 //! A [`World`] asks its [`Distribution`] what all processes know together, and lets its [`Protocol`]
-//! act at some points of a step and of edits: exchange particles, compare, repeat. The default of
-//! every function is that of one process, which has nothing to exchange.
+//! act at some points of a step and of edits: exchange particles, compare, repeat. Defaults are those of one process,
+//! which has nothing to exchange; what it does instead is in [`alone`](super::alone).
 
 use std::any::Any;
 
 use super::bodies::asleep::Sleepers;
 use super::bodies::ids::Ids;
-use super::islands::wake::{wake, wake_changed, wake_driven, wake_every_island};
-use super::merge::merge_touching;
-use super::touching::known_touches_asleep;
 use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
-use crate::halo::{Alone, Halo};
+use crate::halo::Halo;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_index::pairs::JoinScratch;
@@ -40,9 +37,7 @@ pub(crate) struct Agreed {
 /// The part of a world that this process has.
 pub(crate) trait Distribution: Halo + Any + Send {
     /// What the processes do together.
-    fn protocol(&self) -> &'static dyn Protocol {
-        &Alone
-    }
+    fn protocol(&self) -> &'static dyn Protocol;
 
     /// Whether this process has the whole world by itself, with its rows in the order of adding. False
     /// for a distributed world of one process: it is alone, but its rows and ids are those of a part.
@@ -165,9 +160,7 @@ pub(crate) trait Protocol: Sync {
     fn end_part(&self, _: &mut World) {}
 
     /// Merges each island of pairs of indices that touch; returns whether any merged.
-    fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
-        merge_touching(world, touching)
-    }
+    fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool>;
 
     /// Gets the ghosts near the present positions of own particles.
     fn gather_near(&self, _: &mut World) -> Result<()> {
@@ -195,22 +188,11 @@ pub(crate) trait Protocol: Sync {
     fn give_up(&self, _: &mut World) {}
 
     /// Wakes the islands that an attempt at a step would touch, or all.
-    fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()> {
-        if all {
-            wake_every_island(world);
-        } else {
-            wake(world, touched);
-        }
-        Ok(())
-    }
+    fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()>;
 
     /// Wakes the islands that changes concern: `driven` are rows of immovable particles of which only
     /// the velocities change, `changed` those of other changes.
-    fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()> {
-        wake_driven(world, driven);
-        wake_changed(world, changed);
-        Ok(())
-    }
+    fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()>;
 
     /// Adds the contacts of islands that wake to those of the last step.
     fn recall_contacts(&self, _: &mut World, _islands: &[u32]) {}
@@ -229,17 +211,5 @@ pub(crate) trait Protocol: Sync {
     }
 
     /// The ids of the pairs of sleeping particles that touch.
-    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
-        known_touches_asleep(&world.bodies, &world.record)
-    }
-}
-
-impl Distribution for Alone {}
-
-impl Protocol for Alone {}
-
-impl Default for Box<dyn Distribution> {
-    fn default() -> Self {
-        Box::new(Alone)
-    }
+    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]>;
 }

@@ -1,40 +1,51 @@
 //! The world: particles that move and collide.
 //!
-//! A [`World`] composes parts, each with its own data and functions: [`bodies`], the particles, awake and asleep;
-//! [`boundaries`], the container and the walls; `influences`, forces and what else acts on particles; `contacts` with the
-//! impulses for warm starting; [`record`], what happened; `halo`, the processes that share the world. `step` has the
-//! order of a step and `plan` what its stages do; the files of the stages are named after them. What a step works on is in
-//! [`StepScratch`], and what it changes it can undo ([`undo`]).
+//! A [`World`] composes parts. Each owns its data, and its functions take it and slices of others:
+//!
+//! - [`bodies`]: the columns of the particles, awake and asleep, their ids, rows and indices.
+//! - [`boundaries`]: the container and the walls, and the impulses that they give.
+//! - `influences`: forces and what else acts on particles; [`external`]: accelerations that the caller computes.
+//! - `contacts`: the contacts of the last step, with their impulses for warm starting, and the solver.
+//! - [`islands`]: particles that touch, which fall asleep and wake together.
+//! - [`record`]: what happened: collisions, and pairs that began and ceased to touch.
+//! - [`snapshot`]: the whole world in bytes.
+//! - [`distribution`]: the processes that share the world.
+//!
+//! [`step`] has the order of a step, [`substeps`] that of a sub-step, and [`plan`] what the stages do; their files are
+//! named after them. [`StepScratch`] is the working memory of a step. [`undo`] restores what there was before it. The
+//! modules are listed in reading order: each uses only those above it, and the [`World`].
 
+pub(crate) mod settings;
+pub(crate) mod search;
 pub(crate) mod bodies;
 pub(crate) mod boundaries;
-pub(crate) mod bounds;
-pub(crate) mod contacts;
+pub(crate) mod reductions;
 pub(crate) mod distribution;
-mod displacements;
-mod drive;
-pub(crate) mod edits;
-pub(crate) mod force_step;
 pub(crate) mod external;
-pub(crate) mod islands;
-pub(crate) mod merge;
+pub(crate) mod displacements;
+pub(crate) mod drive;
+pub(crate) mod force_step;
 pub(crate) mod plan;
-mod record;
-mod reductions;
-mod refinement;
-mod renewal;
-mod reorder;
-pub(crate) mod search;
-pub(crate) mod settings;
-pub(crate) mod snapshot;
-mod stage_hash;
-pub(crate) mod step;
-mod store;
-mod substeps;
-pub(crate) mod sums;
-pub(crate) mod touches;
+pub(crate) mod reach;
+pub(crate) mod renewal;
+pub(crate) mod bounds;
+pub(crate) mod islands;
+pub(crate) mod edits;
+pub(crate) mod record;
+pub(crate) mod merge;
+pub(crate) mod refinement;
+pub(crate) mod contacts;
 pub(crate) mod touching;
+pub(crate) mod touches;
 pub(crate) mod undo;
+pub(crate) mod reorder;
+pub(crate) mod store;
+pub(crate) mod sums;
+pub(crate) mod stage_hash;
+pub(crate) mod substeps;
+pub(crate) mod step;
+pub(crate) mod snapshot;
+pub(crate) mod alone;
 
 use crate::contacts::{ContactShape, Contacts};
 use crate::correction::Correction;

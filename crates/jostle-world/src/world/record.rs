@@ -4,7 +4,6 @@
 use std::cmp::Ordering;
 
 use super::World;
-use super::touching::touching;
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -55,7 +54,7 @@ pub struct Record {
     /// The length of `during` when doubles were removed.
     distinct: usize,
     /// Whether there was a step after the end of the record.
-    is_open: bool,
+    pub(crate) is_open: bool,
     /// Whether no particle has fallen asleep since `at_end` was computed.
     pub(crate) knows_sleepers: bool,
     /// Collisions of the step that is computed.
@@ -135,7 +134,7 @@ impl Record {
     }
 
     /// Begins a new record with the pairs at the end of this one whose particles are in the world.
-    fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) {
+    pub(crate) fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) {
         // Of several records without a step, only the last may be as before.
         let old = Self { previous: None, ..std::mem::take(self) };
         *self = Self {
@@ -149,7 +148,7 @@ impl Record {
     }
 
     /// Ends it with the pairs that touch now.
-    fn end(&mut self, touching: Vec<[Id; 2]>) {
+    pub(crate) fn end(&mut self, touching: Vec<[Id; 2]>) {
         self.at_end = touching;
         self.is_open = false;
         self.knows_sleepers = true;
@@ -235,37 +234,6 @@ impl Record {
         if let Some(all) = &mut self.merged {
             all.retain(|&[_, heir]| is_there(heir));
         }
-    }
-}
-
-impl World {
-    /// What happened since the last call of [`World::begin_record`].
-    pub fn record(&self) -> &Record {
-        &self.record
-    }
-
-    /// Begins a new record, which contains no collisions and no merged particles. The pairs that touch at its
-    /// beginning are those at the end of the record before. If its first step fails, the record is as before.
-    pub fn begin_record(&mut self) {
-        // In a distributed world, pairs of removed particles are apart.
-        let (ids, is_whole) = (&self.bodies.ids, self.halo.is_whole());
-        self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()));
-    }
-
-    /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be
-    /// continued.
-    pub fn end_record(&mut self) -> Result<()> {
-        if self.settings.track_events && self.record.is_open {
-            let touching = touching(self)?;
-            self.record.end(touching);
-        }
-        Ok(())
-    }
-
-    /// The pairs that began and ceased to touch between the beginning and the end of the record;
-    /// None if events are not tracked.
-    pub fn events(&self) -> Option<TouchEvents> {
-        self.settings.track_events.then(|| self.record.events())
     }
 }
 

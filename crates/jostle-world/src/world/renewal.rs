@@ -9,7 +9,7 @@ use std::cmp;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::bounds::{distance_at, distance_of_fall, rounding};
+use super::reach::{distance_at, distance_of_fall, rounding};
 use super::reductions::Everywhere;
 use super::search::{self, ListScratch, Lists};
 use super::settings::{OnTouch, WorldSettings};

@@ -4,8 +4,6 @@
 //! undoes and repeats it if it has reached sleeping particles, or if processes do not agree. `step_once` is one
 //! attempt, and has the order of the stages.
 
-use std::cmp::Reverse;
-
 use super::bounds::find_bounds;
 use super::displacements::{check_displacements, parts};
 use super::drive::drive;
@@ -24,7 +22,6 @@ use super::store::{load_motions, store_motions};
 use super::touches::collect_touches;
 use super::undo::{begin_attempt, undo};
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search};
-use crate::events::MAX_COLLISIONS;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
@@ -246,17 +243,6 @@ fn skip_step(world: &mut World) -> Result<()> {
     world.stats = Stats::default();
     world.record.skip_step();
     Ok(())
-}
-
-/// The error of a step in which particles of this process have too many collisions, with the id of
-/// the one that has most.
-pub(crate) fn too_many_collisions(world: &World) -> Error {
-    let all = world.bodies.awake.rows.iter().zip(&world.scratch.events.counts);
-    let own = all.filter(|of| *of.0 < world.halo.own_rows());
-    let most = own
-        .map(|(&row, &count)| (Reverse(count), world.halo.id_among_all(&world.bodies.ids, row)))
-        .min();
-    Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
 }
 
 /// Builds the tree of the bounds.

@@ -1,14 +1,16 @@
 //! The sub-steps of a step. In each, forces and resting contacts give kicks, then all particles fly and
 //! collide in the order of time, then overlaps are corrected.
 
+use std::cmp::Reverse;
+
 use super::boundaries::{Boundaries, around};
-use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
+use super::bounds::{BoundsScratch, StepBounds};
 use super::islands::wake::any_sleeps;
 use super::merge;
 use super::plan::Plan;
-use super::step::too_many_collisions;
+use super::reach::FreeReaches;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
-use crate::events::Flight;
+use crate::events::{Flight, MAX_COLLISIONS};
 use crate::flow::{Flow, Kick};
 use crate::forces::springs::Surroundings;
 use crate::halo::Halo;
@@ -81,7 +83,7 @@ impl World {
         scratch.watched_reaches.clear();
         // These distances decide which sleeping islands an attempt would touch.
         if any_sleeps {
-            let free = FreeDisplacements::new(settings, &scratch.forces, plan.dt);
+            let free = FreeReaches::new(settings, &scratch.forces, plan.dt);
             let all = scratch.reaches.iter().enumerate();
             scratch
                 .watched_reaches
@@ -276,6 +278,17 @@ impl World {
         merge::mark_touching(candidate_merges, motions, threads);
         Ok(())
     }
+}
+
+/// The error of a step in which particles of this process have too many collisions, with the id of
+/// the one that has most.
+pub(crate) fn too_many_collisions(world: &World) -> Error {
+    let all = world.bodies.awake.rows.iter().zip(&world.scratch.events.counts);
+    let own = all.filter(|of| *of.0 < world.halo.own_rows());
+    let most = own
+        .map(|(&row, &count)| (Reverse(count), world.halo.id_among_all(&world.bodies.ids, row)))
+        .min();
+    Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
 }
 
 /// The smallest radius above 0; infinite if there is none. No result depends on it.

@@ -1,13 +1,14 @@
-//! Narrow phase at the end of a step: the pairs that touch then.
+//! The record of a world, and the narrow phase at its end: the pairs that touch then.
 
 use std::cmp::Ordering;
 
+use super::World;
 use super::bodies::Bodies;
 use super::bodies::discs::Discs;
-use super::bounds::rounding;
+use super::reach::rounding;
+use super::record::{Record, TouchEvents};
 use super::search::{self, ListScratch, Lists};
 use super::settings::WorldSettings;
-use super::{Record, World};
 use crate::contacts::Contact;
 use crate::motion::exact;
 use crate::particles::Particles;
@@ -24,6 +25,37 @@ pub(crate) struct Scratch {
     tree: Quadtree<f32>,
     listing: ListScratch,
     lists: Lists,
+}
+
+impl World {
+    /// What happened since the last call of [`World::begin_record`].
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Begins a new record, which contains no collisions and no merged particles. The pairs that touch at its
+    /// beginning are those at the end of the record before. If its first step fails, the record is as before.
+    pub fn begin_record(&mut self) {
+        // In a distributed world, pairs of removed particles are apart.
+        let (ids, is_whole) = (&self.bodies.ids, self.halo.is_whole());
+        self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()));
+    }
+
+    /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be
+    /// continued.
+    pub fn end_record(&mut self) -> Result<()> {
+        if self.settings.track_events && self.record.is_open {
+            let touching = touching(self)?;
+            self.record.end(touching);
+        }
+        Ok(())
+    }
+
+    /// The pairs that began and ceased to touch between the beginning and the end of the record;
+    /// None if events are not tracked.
+    pub fn events(&self) -> Option<TouchEvents> {
+        self.settings.track_events.then(|| self.record.events())
+    }
 }
 
 /// The pairs of ids that touch now, sorted: those with a small gap, and those that resting

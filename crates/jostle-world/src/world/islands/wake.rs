@@ -15,8 +15,8 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
 use crate::world::boundaries::Boundaries;
-use crate::world::bounds::{FreeDisplacements, rounding};
 use crate::world::distribution::Distribution;
+use crate::world::reach::{FreeReaches, rounding};
 use crate::world::{StepScratch, World};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -44,7 +44,7 @@ pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
     }
     let Bodies { awake: Discs { particles, rows, .. }, asleep, .. } = bodies;
     let own = halo.own_rows();
-    let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+    let free = FreeReaches::new(settings, &scratch.forces, dt);
     // The radius depends on the particle alone, and not on the speeds of others. Static
     // particles and ghosts touch nothing here: ghosts are tested by their own ranks.
     let radius = |index: u32| {
