@@ -15,7 +15,7 @@ use super::reach::{
 };
 use super::renewal::{Crowding, Renewed};
 use super::search::MAX_CANDIDATES;
-use super::{OnTouch, World, WorldSettings};
+use super::{OnTouch, StepScratch, WorldSettings};
 use crate::container::Container;
 use crate::events::{Candidates, NearPair, Outside, Start, SweptBounds};
 use crate::particles::Particles;
@@ -56,10 +56,14 @@ const GROWTH: f64 = 1.25;
 /// Computes the bounds of a part of a step. If a particle moves farther, [`StepBounds::grow`] enlarges
 /// its bounds: the answer does not depend on them. Returns whether all particles stay in theirs if they have no
 /// events.
-pub(crate) fn find_bounds(world: &mut World, plan: &Plan) -> bool {
+pub(crate) fn find_bounds(
+    particles: &Particles,
+    settings: &WorldSettings,
+    scratch: &mut StepScratch,
+    plan: &Plan,
+) -> bool {
     let Plan { may_rest, threads, horizon: dt, .. } = *plan;
-    let super::StepScratch { reaches, forces, horizon, shapes, .. } = &mut world.scratch;
-    let (particles, settings) = (&world.bodies.awake.particles, &world.settings);
+    let StepScratch { reaches, forces, horizon, shapes, .. } = scratch;
     // A collision may make a slow particle faster. So each movable particle gets at least the
     // usual displacement, and few leave their bounds, which would cost a search for each.
     let usual = (horizon.usual_speed * dt).min(settings.container.max_reach());

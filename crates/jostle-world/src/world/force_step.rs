@@ -94,7 +94,9 @@ impl World {
             scratch.velocities.clone_from(&particles.velocities);
             self.accelerate(h)?;
         }
-        estimate_springs(self, dt, substeps);
+        let Self { influences, bodies, settings, scratch, .. } = &mut *self;
+        let scratch = &mut scratch.forces;
+        estimate_springs(influences, &bodies.awake, settings, scratch, (dt, substeps));
         let ForceScratch { accelerations, spring_displacements, .. } = &self.scratch.forces;
         let particles = &self.bodies.awake.particles;
         let displacement = |index: usize| {
@@ -138,17 +140,16 @@ impl World {
 }
 
 /// Estimates displacements by springs, and finds out whether any are stiff.
-fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
-    let World {
-        bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
-        influences,
-        settings,
-        scratch,
-        ..
-    } = world;
+fn estimate_springs(
+    influences: &Influences,
+    Discs { particles, rows, .. }: &Discs,
+    settings: &WorldSettings,
+    scratch: &mut ForceScratch,
+    (dt, substeps): (f32, usize),
+) {
     let h = f64::from(dt) / substeps as f64;
     let ForceScratch { indices, groups, spring_displacements, sums, are_springs_stiff, .. } =
-        &mut scratch.forces;
+        scratch;
     let all = awake_springs(influences, indices);
     if all.clone().next().is_none() {
         return;
@@ -167,12 +168,17 @@ fn estimate_springs(world: &mut World, dt: f32, substeps: usize) {
     );
 }
 
-/// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds.
-pub(crate) fn apply_andersen(world: &mut World, dt: f32, threads: Option<usize>) {
-    let Some(&andersen) = world.influences.andersen_thermostats().next() else { return };
-    let time = world.time;
-    let Particles { positions, residuals, velocities, masses, movable, .. } =
-        &mut world.bodies.awake.particles;
+/// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds that began at
+/// a time.
+pub(crate) fn apply_andersen(
+    influences: &Influences,
+    particles: &mut Particles,
+    time: f64,
+    dt: f32,
+    threads: Option<usize>,
+) {
+    let Some(&andersen) = influences.andersen_thermostats().next() else { return };
+    let Particles { positions, residuals, velocities, masses, movable, .. } = particles;
     parallel::for_chunks(threads, velocities, |first, velocities| {
         for (velocity, index) in velocities.iter_mut().zip(first..) {
             // The random numbers follow from the state of the particle, the seed and the time.
@@ -190,11 +196,14 @@ pub(crate) fn apply_andersen(world: &mut World, dt: f32, threads: Option<usize>)
 }
 
 /// Removes springs that are stretched too far.
-pub(crate) fn break_springs(world: &mut World) {
-    let (particles, settings) = (&world.bodies.awake.particles, &world.settings);
-    let rows = (&world.bodies.awake.rows[..], &world.scratch.forces.indices[..]);
-    let bodies = force_input(particles, &particles.positions, rows, settings);
-    world.influences.break_springs(&bodies);
+pub(crate) fn break_springs(
+    influences: &mut Influences,
+    Discs { particles, rows, .. }: &Discs,
+    indices: &[u32],
+    settings: &WorldSettings,
+) {
+    let bodies = force_input(particles, &particles.positions, (rows, indices), settings);
+    influences.break_springs(&bodies);
 }
 
 /// The springs of particles that are awake.

@@ -7,10 +7,12 @@
 
 use super::bodies::discs::Discs;
 use super::bodies::ids::renumber;
+use super::boundaries::Boundaries;
 use super::edits::take_out;
 use super::record::record_pairs;
 use super::search::overlapping;
-use super::{OnTouch, World};
+use super::settings::{OnTouch, WorldSettings};
+use super::{Stats, World};
 use crate::container::Container;
 use crate::motion::Motions;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
@@ -113,16 +115,21 @@ pub(crate) fn merge(world: &mut World) -> Result<()> {
             return Ok(());
         }
         protocol.gather_near(world)?;
-        touching = pairs_to_merge(world)?;
+        let World { bodies, settings, stats, .. } = &mut *world;
+        touching = pairs_to_merge(&bodies.awake.particles, settings, stats)?;
     }
     Ok(())
 }
 
 /// The pairs of indices that overlap and may merge.
-pub(crate) fn pairs_to_merge(world: &mut World) -> Result<Vec<[u32; 2]>> {
-    let (overlaps, tests) = overlapping(&world.bodies.awake.particles, &world.settings)?;
-    world.stats.tests += tests;
-    let is_sensor = |index: u32| world.bodies.awake.particles.is_sensor(index as usize);
+fn pairs_to_merge(
+    particles: &Particles,
+    settings: &WorldSettings,
+    stats: &mut Stats,
+) -> Result<Vec<[u32; 2]>> {
+    let (overlaps, tests) = overlapping(particles, settings)?;
+    stats.tests += tests;
+    let is_sensor = |index: u32| particles.is_sensor(index as usize);
     let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
     Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
 }
@@ -175,7 +182,7 @@ fn close_up(world: &mut World, heirs: &[u32]) -> Result<()> {
     let merged = merged.collect();
     // A copy of all ids is needed only by steps in which something merges.
     world.scratch.before.ids.get_or_insert_with(|| world.bodies.ids.clone());
-    inherit(world, heirs);
+    inherit(&mut world.boundaries, &mut world.scratch.exhausted, heirs);
     let shifted = take_out(world, &gone);
     // The step still needs these.
     world.boundaries.renumber_pushes(&gone, &shifted);
@@ -187,14 +194,13 @@ fn close_up(world: &mut World, heirs: &[u32]) -> Result<()> {
 
 /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
 /// that one was exhausted. Their resting impulses begin with 0.
-fn inherit(world: &mut World, heirs: &[u32]) {
+fn inherit(boundaries: &mut Boundaries, exhausted: &mut Vec<u32>, heirs: &[u32]) {
     let mut has_merged = vec![false; heirs.len()];
     for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {
         has_merged[row] = true;
         has_merged[heir as usize] = true;
     }
-    world.boundaries.inherit(heirs, &has_merged);
-    let exhausted = &mut world.scratch.exhausted;
+    boundaries.inherit(heirs, &has_merged);
     exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
     exhausted.sort_unstable();
     exhausted.dedup();

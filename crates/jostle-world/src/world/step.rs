@@ -141,7 +141,8 @@ impl World {
         }
         let Outcome::Complete(plan) = outcome else { return Ok(outcome) };
         // From here on the attempt counts, unless there is an error.
-        apply_andersen(self, dt as f32, plan.threads);
+        let particles = &mut self.bodies.awake.particles;
+        apply_andersen(&self.influences, particles, self.time, dt as f32, plan.threads);
         self.boundaries.end_attempt();
         if self.settings.track_events {
             let touching = self.contacts.touching().map(|contact| contact.indices);
@@ -172,7 +173,8 @@ impl World {
                 watch(Stage::Forces, self);
             }
             let mut plan = Plan::new(self, dt, substeps);
-            plan.is_bounded &= find_bounds(self, &plan);
+            plan.is_bounded &=
+                find_bounds(&self.bodies.awake.particles, &self.settings, &mut self.scratch, &plan);
             watch(Stage::Bounds, self);
             interrupt::check()?;
             build_tree(self)?;
@@ -197,7 +199,9 @@ impl World {
             let bounds = (&reaches[..], SPARE * horizon.usual_speed * plan.horizon);
             self.boundaries.find_near(tree, bounds, &self.settings, f64::from(dt))?;
             watch(Stage::Contacts, self);
-            load_motions(self, &plan);
+            let StepScratch { motions, spins, .. } = &mut self.scratch;
+            let particles = &self.bodies.awake.particles;
+            load_motions(particles, self.settings.on_touch, &plan, (motions, spins));
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);
             // Collisions may have carried particles beyond the bounds that were tested before.
@@ -215,7 +219,8 @@ impl World {
             self.boundaries.walls.end_part(f64::from(dt));
             collect_touches(self, plan.threads);
             store_motions(self, plan.threads)?;
-            break_springs(self);
+            let indices = &self.scratch.forces.indices;
+            break_springs(&mut self.influences, &self.bodies.awake, indices, &self.settings);
             merge(self)?;
             watch(Stage::Store, self);
             if part == parts {

@@ -5,12 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::plan::Plan;
 use super::{OnTouch, World};
-use crate::motion::{self, Motion};
+use crate::motion::{self, Motion, Motions, Spins};
 use crate::particles::{FARTHEST, Particles, wrap_angle};
-use crate::world::bodies::Bodies;
-use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
 use jostle_base::parallel;
+use jostle_index::period::Period;
 
 /// Particles that one thread stores at a time.
 const STORED: usize = 1 << 14;
@@ -18,32 +17,48 @@ const STORED: usize = 1 << 14;
 /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
 /// the columns and writes all motions, so nothing is to be loaded. That relies on an invariant: between the
 /// beginning of a part and its first events nothing writes `motions`. What changes velocities before is in the kicks.
-pub(crate) fn load_motions(world: &mut World, plan: &Plan) {
-    let threads = plan.threads;
-    let are_read = plan.has_kicks() || !world.bodies.awake.particles.spins.is_empty();
-    let World { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, .. } = world;
-    scratch.motions.resize(particles.len(), world.settings.on_touch == OnTouch::Merge);
-    let motions = &scratch.motions;
-    if are_read {
-        parallel::for_rows(threads, particles.len(), |index| {
+pub(crate) fn load_motions(
+    particles: &Particles,
+    on_touch: OnTouch,
+    plan: &Plan,
+    (motions, spins): (&mut Motions, &mut Spins),
+) {
+    motions.resize(particles.len(), on_touch == OnTouch::Merge);
+    let motions = &*motions;
+    if plan.has_kicks() || !particles.spins.is_empty() {
+        parallel::for_rows(plan.threads, particles.len(), |index| {
             motions.set(index as u32, Motion::of(particles, index));
         });
     }
-    scratch.spins.fill(&particles.spins);
+    spins.fill(&particles.spins);
 }
 
 /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
 pub(crate) fn store_motions(world: &mut World, threads: Option<usize>) -> Result<()> {
-    let (settings, scratch) = (&world.settings, &world.scratch);
     if let Some(contact) = world.contacts.remember(world.bodies.awake.particles.len()) {
         let index = contact.indices[0] as usize;
         return Err(not_finite(world, "contact_impulses", index, "inf"));
     }
-    let Particles { positions, residuals, velocities, spins, .. } =
-        &mut world.bodies.awake.particles;
-    let motions = &scratch.motions;
-    let is_infinite = world.boundaries.pushes.iter().any(|of| !of.pushes[0].is_finite());
-    let (any, period) = (AtomicBool::new(is_infinite), settings.container.period());
+    let World { bodies, boundaries, settings, scratch, .. } = &mut *world;
+    let are_finite = boundaries.pushes.iter().all(|of| of.pushes[0].is_finite());
+    let motions = (&scratch.motions, &scratch.spins);
+    let period = settings.container.period();
+    if are_finite & write(&mut bodies.awake.particles, motions, &period, threads) {
+        Ok(())
+    } else {
+        Err(name_what_is_not_finite(world))
+    }
+}
+
+/// Writes motions into the columns of the particles; returns whether all are finite.
+fn write(
+    particles: &mut Particles,
+    (motions, all_spins): (&Motions, &Spins),
+    period: &Period<f32>,
+    threads: Option<usize>,
+) -> bool {
+    let Particles { positions, residuals, velocities, spins, .. } = particles;
+    let any = AtomicBool::new(false);
     let chunks = || (0..).step_by(STORED);
     let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
     let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
@@ -59,13 +74,13 @@ pub(crate) fn store_motions(world: &mut World, threads: Option<usize>) -> Result
                 }
                 clamp(&mut motion);
             }
-            (*position, *residual) = motion::wrapped(motion.position, motion.residual, &period);
+            (*position, *residual) = motion::wrapped(motion.position, motion.residual, period);
             *velocity = motion.velocity;
         }
     });
     parallel::for_chunks(threads, spins, |first, spins| {
         for (spin, index) in spins.iter_mut().zip(first as u32..) {
-            let (velocity, angle) = (scratch.spins.velocity(index), scratch.spins.angle(index));
+            let (velocity, angle) = (all_spins.velocity(index), all_spins.angle(index));
             if !velocity.is_finite() {
                 any.store(true, Ordering::Relaxed);
             }
@@ -73,7 +88,7 @@ pub(crate) fn store_motions(world: &mut World, threads: Option<usize>) -> Result
             spin.angle = wrap_angle(angle);
         }
     });
-    if any.into_inner() { Err(name_what_is_not_finite(world)) } else { Ok(()) }
+    !any.into_inner()
 }
 
 /// Returns an error with the first row whose number is not finite after the sub-steps.

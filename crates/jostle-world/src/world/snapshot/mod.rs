@@ -3,7 +3,8 @@
 //! The bytes contain everything that the next step depends on: settings, forces, particles in their canonical
 //! order, and the impulses for warm starting; not the statistics of the last step. They may contain a text of the
 //! caller. Each type declares its fields once, with [`saved!`](jostle_base::saved!) or
-//! [`plain!`](jostle_base::plain!), and the columns are those of [`table!`](jostle_base::table!). `check` refuses what no world can have.
+//! [`plain!`](jostle_base::plain!), and the columns are those of [`table!`](jostle_base::table!). `check` refuses what
+//! no world can have.
 
 pub(crate) mod check;
 
