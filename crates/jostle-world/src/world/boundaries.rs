@@ -53,7 +53,7 @@ impl Boundaries {
             let [old, new] = [&self.walls, &new].map(|walls| walls.all().get(index as usize));
             old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
         };
-        self.impulses.retain(|of| index_of(of.wall).is_none_or(is_kept));
+        self.impulses.retain(|impulse| index_of(impulse.wall).is_none_or(is_kept));
         self.walls = new;
     }
 
@@ -65,7 +65,7 @@ impl Boundaries {
         }
         std::mem::swap(&mut self.impulses_before, &mut self.impulses);
         self.impulses.clear();
-        let pushes = self.impulses_before.iter().filter(|of| of.pushes[0] > 0.0);
+        let pushes = self.impulses_before.iter().filter(|impulse| impulse.pushes[0] > 0.0);
         self.pushes.clear();
         self.pushes.extend(pushes);
     }
@@ -108,18 +108,19 @@ impl Boundaries {
     /// Keeps what resting contacts have found in a sub-step. The impulses of all sub-steps are reported. The pushes of
     /// the last one alone begin the next step.
     pub(crate) fn end_resting(&mut self) {
-        let new = self.new_pushes.iter().map(|of| WallImpulse { pushes: [0.0; 2], ..*of });
+        let new =
+            self.new_pushes.iter().map(|impulse| WallImpulse { pushes: [0.0; 2], ..*impulse });
         self.resting.extend(new);
         std::mem::swap(&mut self.new_pushes, &mut self.pushes);
     }
 
     /// Adds the impulses of a part: of bounces in the order of time, and of resting contacts.
     pub(crate) fn collect(&mut self, bounced: &[Bounce], rows: &[u32]) {
-        let bounced = bounced.iter().filter(|of| of.pair[1] == WALL);
-        self.impulses.extend(bounced.map(|of| WallImpulse {
-            row: rows[of.pair[0] as usize],
-            wall: of.code,
-            impulses: of.impulses,
+        let bounced = bounced.iter().filter(|bounce| bounce.pair[1] == WALL);
+        self.impulses.extend(bounced.map(|bounce| WallImpulse {
+            row: rows[bounce.pair[0] as usize],
+            wall: bounce.code,
+            impulses: bounce.impulses,
             pushes: [0.0; 2],
         }));
         self.impulses.append(&mut self.resting);
@@ -128,9 +129,12 @@ impl Boundaries {
     /// Adds up the impulses of a step, and the pushes of its last sub-step.
     pub(crate) fn end_attempt(&mut self) {
         let Self { impulses, pushes, .. } = self;
-        impulses.extend(pushes.iter().map(|of| WallImpulse { impulses: [0.0; 2], ..*of }));
+        impulses
+            .extend(pushes.iter().map(|impulse| WallImpulse { impulses: [0.0; 2], ..*impulse }));
         // Sums depend on the order, so equal numbers decide the rest.
-        impulses.sort_unstable_by_key(|of| (of.row, of.wall, of.impulses.map(f32::to_bits)));
+        impulses.sort_unstable_by_key(|impulse| {
+            (impulse.row, impulse.wall, impulse.impulses.map(f32::to_bits))
+        });
         impulses.dedup_by(|next, sum| {
             let is_same = (next.row, next.wall) == (sum.row, sum.wall);
             if is_same {
@@ -139,19 +143,19 @@ impl Boundaries {
             }
             is_same
         });
-        impulses.retain(|of| of.impulses[0] > 0.0);
+        impulses.retain(|impulse| impulse.impulses[0] > 0.0);
     }
 
     /// Adds impulses of the last step on rows that had none.
     pub(crate) fn insert(&mut self, new: impl Iterator<Item = WallImpulse>) {
         self.impulses.extend(new);
-        self.impulses.sort_by_key(|of| (of.row, of.wall));
+        self.impulses.sort_by_key(|impulse| (impulse.row, impulse.wall));
     }
 
     /// Removes the impulses on some rows.
     pub(crate) fn drop_rows(&mut self, mut rows: Vec<u32>) {
         rows.sort_unstable();
-        self.impulses.retain(|of| rows.binary_search(&of.row).is_err());
+        self.impulses.retain(|impulse| rows.binary_search(&impulse.row).is_err());
     }
 
     /// Copies the impulses on islands that fall asleep to these.
@@ -179,18 +183,18 @@ impl Boundaries {
     /// Gives merged particles the impulses on their parts in this step; `heirs` has the new row of each. Their pushes
     /// begin with 0.
     pub(crate) fn inherit(&mut self, heirs: &[u32], has_merged: &[bool]) {
-        self.pushes.retain(|of| !has_merged[of.row as usize]);
-        self.impulses.iter_mut().for_each(|of| of.row = heirs[of.row as usize]);
+        self.pushes.retain(|impulse| !has_merged[impulse.row as usize]);
+        self.impulses.iter_mut().for_each(|impulse| impulse.row = heirs[impulse.row as usize]);
     }
 
     /// Removes the impulses on removed rows, and gives the rest their new rows.
     pub(crate) fn renumber(&mut self, gone: &[bool], shifted: &[u32]) {
-        renumber(&mut self.impulses, |of| &mut of.row, (gone, shifted));
+        renumber(&mut self.impulses, |impulse| &mut impulse.row, (gone, shifted));
     }
 
     /// The same of the pushes, which only a step that goes on needs.
     pub(crate) fn renumber_pushes(&mut self, gone: &[bool], shifted: &[u32]) {
-        renumber(&mut self.pushes, |of| &mut of.row, (gone, shifted));
+        renumber(&mut self.pushes, |impulse| &mut impulse.row, (gone, shifted));
     }
 }
 

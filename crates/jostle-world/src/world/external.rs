@@ -86,8 +86,8 @@ impl External {
 
     /// Gives the smallest row of merging particles the sum of the forces on them over their mass.
     pub(crate) fn merge(&mut self, particles: &Particles, rows: &[u32], indices: &[usize]) {
-        let of = |&index: &usize| (particles.masses[index], self.of(rows[index]));
-        let joint = joint_acceleration(indices.iter().map(of));
+        let own = |&index: &usize| (particles.masses[index], self.of(rows[index]));
+        let joint = joint_acceleration(indices.iter().map(own));
         let first = indices.iter().map(|&index| rows[index]).fold(u32::MAX, u32::min);
         self.set(first, joint);
     }

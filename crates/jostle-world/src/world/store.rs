@@ -40,7 +40,7 @@ pub(crate) fn store_motions(world: &mut World, threads: Option<usize>) -> Result
         return Err(not_finite(world, "contact_impulses", index, "inf"));
     }
     let World { bodies, boundaries, settings, scratch, .. } = &mut *world;
-    let are_finite = boundaries.pushes.iter().all(|of| of.pushes[0].is_finite());
+    let are_finite = boundaries.pushes.iter().all(|impulse| impulse.pushes[0].is_finite());
     let motions = (&scratch.motions, &scratch.spins);
     let period = settings.container.period();
     if are_finite & write(&mut bodies.awake.particles, motions, &period, threads) {
@@ -94,8 +94,9 @@ fn write(
 /// Returns an error with the first row whose number is not finite after the sub-steps.
 fn name_what_is_not_finite(world: &World) -> Error {
     let motion = |index: usize| world.scratch.motions.get(index as u32);
-    let infinite = world.boundaries.pushes.iter().filter(|of| !of.pushes[0].is_finite());
-    let infinite: HashMap<u32, f32> = infinite.map(|of| (of.row, of.pushes[0])).collect();
+    let infinite = world.boundaries.pushes.iter().filter(|impulse| !impulse.pushes[0].is_finite());
+    let infinite: HashMap<u32, f32> =
+        infinite.map(|impulse| (impulse.row, impulse.pushes[0])).collect();
     let push =
         |index: usize| infinite.get(&world.bodies.awake.rows[index]).copied().unwrap_or_default();
     let spins = &world.scratch.spins;

@@ -109,8 +109,8 @@ impl World {
         halo.wait()?;
         halo.refresh(
             |index| {
-                let of = motions.get(index);
-                let ([x, y], [a, b], [u, v]) = (of.position, of.residual, of.velocity);
+                let motion = motions.get(index);
+                let ([x, y], [a, b], [u, v]) = (motion.position, motion.residual, motion.velocity);
                 [x, y, a, b, u, v]
             },
             |index, [x, y, a, b, u, v]| {
@@ -284,7 +284,7 @@ impl World {
 /// the one that has most.
 pub(crate) fn too_many_collisions(world: &World) -> Error {
     let all = world.bodies.awake.rows.iter().zip(&world.scratch.events.counts);
-    let own = all.filter(|of| *of.0 < world.halo.own_rows());
+    let own = all.filter(|particle| *particle.0 < world.halo.own_rows());
     let most = own
         .map(|(&row, &count)| (Reverse(count), world.halo.id_among_all(&world.bodies.ids, row)))
         .min();
@@ -294,10 +294,10 @@ pub(crate) fn too_many_collisions(world: &World) -> Error {
 /// The smallest radius above 0; infinite if there is none. No result depends on it.
 fn smallest(radii: &[f32]) -> f32 {
     // Chunks and comparisons become vector instructions. `min` takes longer, because it treats NaN.
-    let of = |chunk: &[f32]| {
+    let least = |chunk: &[f32]| {
         let positive =
             chunk.iter().map(|&radius| if radius > 0.0 { radius } else { f32::INFINITY });
         positive.fold(f32::INFINITY, |a, b| if b < a { b } else { a })
     };
-    radii.chunks(256).map(of).fold(f32::INFINITY, f32::min)
+    radii.chunks(256).map(least).fold(f32::INFINITY, f32::min)
 }

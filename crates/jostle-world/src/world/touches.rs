@@ -76,8 +76,9 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) {
     }
     // A pair of particles belongs to the process of the first.
     let is_own = |index: u32| rows[index as usize] < halo.own_rows();
-    for of in bounced.iter().filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
-        record.count(of.pair[1] == WALL);
+    for bounce in bounced.iter().filter(|bounce| bounce.impulses[0] > 0.0 && is_own(bounce.pair[0]))
+    {
+        record.count(bounce.pair[1] == WALL);
     }
     boundaries.collect(bounced, rows);
     sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
@@ -116,8 +117,8 @@ fn update_contacts(
     (bounced, sensed): (&[Bounce], &[[u32; 2]]),
     threads: Option<usize>,
 ) {
-    let bounced = bounced.iter().filter(|of| of.pair[1] != WALL);
-    let bounced = bounced.map(|of| (of.pair, of.impulses));
+    let bounced = bounced.iter().filter(|bounce| bounce.pair[1] != WALL);
+    let bounced = bounced.map(|bounce| (bounce.pair, bounce.impulses));
     let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
     let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
         let pair = [a.min(b), a.max(b)];
@@ -168,9 +169,12 @@ impl World {
         }
         let id = |row: u32| self.bodies.ids.of(row);
         let of_index = |index: u32| id(self.bodies.awake.rows[index as usize]);
-        let awake = self.contacts.touching().map(|of| touch_of(of, of.indices.map(of_index)));
+        let awake = self
+            .contacts
+            .touching()
+            .map(|contact| touch_of(contact, contact.indices.map(of_index)));
         let asleep = self.bodies.asleep.contacts().filter(|contact| contact.touched);
-        Ok(awake.chain(asleep.map(|of| touch_of(of, of.indices.map(id)))).collect())
+        Ok(awake.chain(asleep.map(|contact| touch_of(contact, contact.indices.map(id)))).collect())
     }
 
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as

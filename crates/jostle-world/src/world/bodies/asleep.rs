@@ -107,7 +107,7 @@ impl Sleepers {
 
 /// The range of the values of one island, from `start` on, in a list sorted by islands.
 pub(crate) fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
-    let values = all[start as usize..].iter().take_while(|of| of.0 == island);
+    let values = all[start as usize..].iter().take_while(|value| value.0 == island);
     start..start + values.count() as u32
 }
 
@@ -383,7 +383,8 @@ impl Asleep {
             return;
         }
         let mut rest = Self::default();
-        let settings = self.layers.first().map_or(Settings::default(), |of| of.tree.settings());
+        let settings =
+            self.layers.first().map_or(Settings::default(), |layer| layer.tree.settings());
         // If the tree cannot be built, they are removed later.
         if self.is_empty() || rest.append(&self.copy(), settings).is_ok() {
             *self = rest;
@@ -398,6 +399,6 @@ impl Asleep {
         let renumber = |row: &mut u32| *row = new.get(*row as usize).copied().unwrap_or(0);
         rows.iter_mut().for_each(renumber);
         contacts.iter_mut().flat_map(|contact| &mut contact.indices).for_each(renumber);
-        wall_impulses.iter_mut().for_each(|of| renumber(&mut of.row));
+        wall_impulses.iter_mut().for_each(|impulse| renumber(&mut impulse.row));
     }
 }

@@ -163,8 +163,8 @@ pub(crate) fn renumber<V>(
     row: impl Fn(&mut V) -> &mut u32,
     (gone, shifted): (&[bool], &[u32]),
 ) {
-    all.retain_mut(|of| {
-        let row = row(of);
+    all.retain_mut(|value| {
+        let row = row(value);
         let stays = !gone[*row as usize];
         *row = shifted[*row as usize];
         stays

@@ -50,9 +50,9 @@ impl Islands {
         rests.clear();
         // Pushes are those of the last sub-step. A bounce has none, so it is no support.
         let is_on_wall = |row: u32| {
-            let first = wall_impulses.partition_point(|of| of.row < row);
-            let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
-            of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
+            let first = wall_impulses.partition_point(|impulse| impulse.row < row);
+            let of_row = wall_impulses[first..].iter().take_while(|impulse| impulse.row == row);
+            of_row.map(|impulse| impulse.pushes[0]).any(|push| push > 0.0)
         };
         let rest = |&row: &u32| if is_on_wall(row) { Rest::Supported } else { Rest::Free };
         rests.extend(discs.rows.iter().map(rest));

@@ -105,17 +105,18 @@ fn find_circles_beyond_reach(world: &mut World) -> Result<bool> {
     let index = |&(index, _): &(u32, f64)| index as usize;
     let columns = shapes.columns_mut();
     columns.centers.clear();
-    columns.centers.extend(beyond_reach.iter().map(|of| particles.positions[index(of)]));
+    columns.centers.extend(beyond_reach.iter().map(|outside| particles.positions[index(outside)]));
     let radii = columns.radii.rows_mut();
     radii.clear();
     // The distance is rounded to float32; the factor is a reserve for that.
-    radii.extend(beyond_reach.iter().map(|of| {
-        let (position, radius) = (particles.positions[index(of)], particles.radii[index(of)]);
+    radii.extend(beyond_reach.iter().map(|outside| {
+        let (position, radius) =
+            (particles.positions[index(outside)], particles.radii[index(outside)]);
         let rounding = rounding(position, radius, &settings.container);
-        radius + of.1 as f32 * 1.000_01 + rounding
+        radius + outside.1 as f32 * 1.000_01 + rounding
     }));
     let filters = if particles.filters.is_empty() { &[][..] } else { &beyond_reach[..] };
-    let filters = filters.iter().map(|of| particles.filter(index(of)));
+    let filters = filters.iter().map(|outside| particles.filter(index(outside)));
     fill_filters(filters, columns.filters);
     tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
     Ok(true)

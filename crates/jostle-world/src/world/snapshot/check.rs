@@ -46,7 +46,7 @@ fn check_islands(islands: &[Island], counts: [usize; 3]) -> Result<()> {
 fn check_rows<'a>(rows: impl Iterator<Item = &'a u32>, len: usize) -> Result<()> {
     let mut is_known = vec![false; len];
     let is_new =
-        |row: &u32| is_known.get_mut(*row as usize).is_some_and(|of| !mem::replace(of, true));
+        |row: &u32| is_known.get_mut(*row as usize).is_some_and(|known| !mem::replace(known, true));
     ensure({ rows }.all(is_new), "its rows are not those of its particles")
 }
 
@@ -57,10 +57,10 @@ fn check_contacts(all: &[Contact], len: usize) -> Result<()> {
         let numbers = [image[0], image[1], normal[0], normal[1], gap];
         ensure(!numbers.iter().any(|number| number.is_nan()), "a number of a contact is NaN")?;
     }
-    let is_right = |of: &Contact| {
-        let [normal, friction] = of.totals;
-        let numbers = [of.friction_impulse, normal, friction];
-        of.impulse >= 0.0 && !numbers.iter().any(|number| number.is_nan())
+    let is_right = |contact: &Contact| {
+        let [normal, friction] = contact.totals;
+        let numbers = [contact.friction_impulse, normal, friction];
+        contact.impulse >= 0.0 && !numbers.iter().any(|number| number.is_nan())
     };
     ensure(all.iter().all(is_right), "an impulse of a contact is negative or NaN")
 }
@@ -130,7 +130,8 @@ fn check_discs(discs: &Discs, settings: &WorldSettings) -> Result<()> {
     let len = rows.len();
     let lengths = check_lengths(persistent, len, |column| column);
     ensure(particles.len() == len && lengths.is_ok(), "its columns have different lengths")?;
-    let is_nan = |of: &RecentMotion| of.before.iter().chain(&of.now).any(|v| v.is_nan());
+    let is_nan =
+        |motion: &RecentMotion| motion.before.iter().chain(&motion.now).any(|v| v.is_nan());
     ensure(!persistent.recent_motions.iter().any(is_nan), "a mean speed is not possible")
 }
 
@@ -139,7 +140,7 @@ pub(crate) fn check_wall_impulses(boundaries: &Boundaries, bodies: &Bodies) -> R
     let count = boundaries.walls.all().len();
     let mut all = boundaries.impulses.iter().chain(&bodies.asleep.sleepers().wall_impulses);
     let is_known =
-        |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
+        |impulse: &WallImpulse| index_of(impulse.wall).is_none_or(|index| (index as usize) < count);
     ensure(all.all(is_known), "a wall has an impulse on no particle")
 }
 
@@ -160,7 +161,7 @@ pub(crate) fn check_sleeping(bodies: &Bodies) -> Result<()> {
         contacts[range(&island.contacts)].iter().all(|contact| {
             contact.indices.iter().any(is_own)
                 && contact.indices.iter().all(|row| is_own(row) || is_fixed(row))
-        }) && wall_impulses[range(&island.wall_impulses)].iter().all(|of| is_own(&of.row))
+        }) && wall_impulses[range(&island.wall_impulses)].iter().all(|impulse| is_own(&impulse.row))
     };
     let rule = "a sleeping particle moves, or touches one that is not in its island";
     ensure(at_rest && islands.iter().all(are_own), rule)
