@@ -1,4 +1,4 @@
-"""The threads of the window: jobs, edits, loading, and their order."""
+"""The threads of the window: jobs, edits, loading, their order, and real time to whole steps."""
 
 import threading
 import time
@@ -11,11 +11,12 @@ from lab_interaction import Driver, gate_steps, world_of
 import jostle
 from jostle_lab.act.interaction import DragTool
 from jostle_lab.simulate import engine, start
-from jostle_lab.simulate.engine import Engine
+from jostle_lab.simulate.engine import MAX_STEPS, Engine, FixedTimestep
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 
 MANY = 200_000
+STEP = 1 / 60
 TWO = [(200, 250), (600, 250)]
 
 
@@ -379,3 +380,36 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
     assert {"step", "frame", "adjust", "create"} <= {name for name, _ in calls}
     driver.window.close()
     assert list(tmp_path.glob("*.png"))
+
+
+def count(pace: FixedTimestep, elapsed: float) -> int:
+    return pace.advance(elapsed, lambda: None)
+
+
+def test_a_screen_of_any_speed_gives_sixty_steps_a_second() -> None:
+    for screen in (30, 60, 75, 144):
+        pace = FixedTimestep(STEP)
+        steps = sum(count(pace, 1 / screen) for _ in range(2 * screen))
+        assert steps == pytest.approx(120, abs=1)
+
+
+def test_a_screen_beating_near_sixty_hertz_gives_one_step_a_frame() -> None:
+    pace = FixedTimestep(STEP)
+    assert [count(pace, 1 / 59.94), count(pace, 0.017), count(pace, 0.016)] == [1, 1, 1]
+
+
+def test_a_slow_machine_slows_simulated_time_instead_of_falling_behind() -> None:
+    pace = FixedTimestep(STEP)
+    assert count(pace, 10.0) == MAX_STEPS
+    assert count(pace, 0.0) == 0
+    assert count(pace, STEP) == 1
+
+
+def test_slow_steps_leave_time_for_the_window() -> None:
+    now = [0.0]
+    pace = FixedTimestep(STEP, clock=lambda: now[0])
+
+    def step() -> None:
+        now[0] += 0.04
+
+    assert pace.advance(0.05, step) == 1

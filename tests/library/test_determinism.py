@@ -42,6 +42,7 @@ def test_threads_do_not_show_while_a_pile_lands(
     In the larger pile such a pair has shown the number of threads after 134 steps.
     """
     world = jostle.scenes.create("pile", n=n)
+    world.threads = 1
     world.step(STEP, fallen)
     begun = world.snapshot()
     hashes = []

@@ -1,4 +1,4 @@
-"""A program of test_mpi_pairs: compares the pairs of all ranks with those of one process."""
+"""A program of test_mpi_programs: compares the pairs of all ranks with those of one process."""
 
 from collections.abc import Callable
 from functools import partial

@@ -1,4 +1,4 @@
-"""Programs started on several ranks: the example that films a scene, and the command."""
+"""Programs started on several ranks: pairs, the example that films a scene, and the command."""
 
 import subprocess
 import sys
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mpi_ranks import needs_mpi, run_ranks
+from mpi_ranks import HERE, needs_mpi, run_ranks
 from outputs import frames_of, rows
 
 import jostle
@@ -16,6 +16,10 @@ pytestmark = [pytest.mark.ranks, needs_mpi]
 EXAMPLE = Path(__file__).parents[2] / "examples" / "film_over_ranks.py"
 GROUND = (0x10, 0x14, 0x1A)
 RANKS = ((0xE2, 0xC6, 0x7C), (0x6F, 0xB0, 0xA2), (0xC9, 0x68, 0x6A))  # their colours
+
+
+def test_one_to_four_ranks_find_the_pairs_of_one_process() -> None:
+    assert "all pairs are right" in run_ranks(4, HERE / "mpi_pairs.py")
 
 
 def share(picture: np.ndarray, colour: tuple[int, int, int]) -> float:
