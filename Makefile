@@ -137,7 +137,7 @@ $(WHEELS)/built: $(VENV)/library $(MODULES)
 $(ARCADE)/installed: $(VENV)/run
 	$(BIN)/python -m venv --clear $(ARCADE)
 	$(ARCADE)/bin/python -m pip install --quiet $(PIP)
-	$(ARCADE)/bin/python -m pip install --quiet --group arcade
+	$(ARCADE)/bin/python -m pip install --quiet --no-compile --group arcade
 	@touch $@
 
 $(ARCADE)/wheel: $(ARCADE)/installed $(WHEELS)/built
