@@ -9,51 +9,77 @@ use std::fmt::Debug;
 use crate::forces::chance::mixed;
 use jostle_base::error::Result;
 
-/// The processes that share a world, and what a sub-step exchanges with them. The defaults are those
-/// of one process.
+/// The processes that share a world, and what a sub-step exchanges with them.
 pub trait Halo: Debug + Sync {
     /// Whether no other process has a part of the world. Then no function of this trait sends a
     /// message, and several threads may call them.
-    fn is_alone(&self) -> bool {
-        true
-    }
+    fn is_alone(&self) -> bool;
 
     /// Whether the particle at each index belongs to this process. Particles behind the end of the list
     /// do.
-    fn own(&self) -> &[bool] {
-        &[]
-    }
+    fn own(&self) -> &[bool];
 
     /// Indices of ghosts, and of particles that are ghosts elsewhere.
-    fn shared(&self) -> &[u32] {
-        &[]
-    }
+    fn shared(&self) -> &[u32];
 
     /// The number of particles of all processes that are awake, if this one has `own` of them.
-    fn count(&self, own: usize) -> usize {
-        own
-    }
+    fn count(&self, own: usize) -> usize;
 
     /// Replaces numbers by their sums over all processes. Returns an error if a process has failed.
-    fn add_up(&self, _: &mut [u64]) -> Result<()> {
-        Ok(())
-    }
+    fn add_up(&self, numbers: &mut [u64]) -> Result<()>;
 
     /// Replaces numbers by their largest values on all processes. Returns an error if a process has
     /// failed.
-    fn take_largest(&self, _: &mut [f64]) -> Result<()> {
-        Ok(())
-    }
+    fn take_largest(&self, numbers: &mut [f64]) -> Result<()>;
 
     /// Sets the bits that are set on any process, in bytes of which other processes may have more or
     /// fewer. Returns an error if a process has failed.
-    fn any_bits(&self, _: &mut Vec<u8>) -> Result<()> {
-        Ok(())
-    }
+    fn any_bits(&self, any: &mut Vec<u8>) -> Result<()>;
 
     /// Calls `put` to append `size` bytes of each particle that is a ghost elsewhere, then `take` with
     /// those of each ghost. It does not report failures: call `wait` before it, so that all processes
     /// know of them.
+    fn exchange(
+        &self,
+        size: usize,
+        put: &dyn Fn(u32, &mut Vec<u8>),
+        take: &mut dyn FnMut(u32, &[u8]),
+    ) -> Result<()>;
+}
+
+/// One process.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Alone;
+
+impl Halo for Alone {
+    fn is_alone(&self) -> bool {
+        true
+    }
+
+    fn own(&self) -> &[bool] {
+        &[]
+    }
+
+    fn shared(&self) -> &[u32] {
+        &[]
+    }
+
+    fn count(&self, own: usize) -> usize {
+        own
+    }
+
+    fn add_up(&self, _: &mut [u64]) -> Result<()> {
+        Ok(())
+    }
+
+    fn take_largest(&self, _: &mut [f64]) -> Result<()> {
+        Ok(())
+    }
+
+    fn any_bits(&self, _: &mut Vec<u8>) -> Result<()> {
+        Ok(())
+    }
+
     fn exchange(
         &self,
         _size: usize,
@@ -63,12 +89,6 @@ pub trait Halo: Debug + Sync {
         Ok(())
     }
 }
-
-/// One process.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Alone;
-
-impl Halo for Alone {}
 
 impl dyn Halo + '_ {
     /// Whether a particle belongs to this process and is no ghost.

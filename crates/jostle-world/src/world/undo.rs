@@ -26,19 +26,24 @@ pub(crate) struct Before {
 
 /// Begins an attempt at a step, which [`undo`] takes back.
 pub(crate) fn begin_attempt(world: &mut World) {
-    // `reorder` writes new columns beside the old ones, so these need no copy. Only what a step
-    // changes in place is copied here.
-    let before = &mut world.scratch.before;
+    // Without `..`, so that the compiler asks for each new field. `reorder` writes new columns and contacts beside the
+    // old ones, and a merger keeps the ids, so these need no copy. Only what a step changes in place is copied here.
+    #[rustfmt::skip]
+    let World {
+        settings, influences, boundaries, external, bodies, contacts: _, stats, record, scratch,
+        time: _, attachment: _, halo: _, islands: _,
+    } = world;
+    let before = &mut scratch.before;
     before.is_reordered = false;
-    before.influences.clone_from(&world.influences);
-    world.external.begin_attempt();
-    world.boundaries.begin_attempt();
-    before.stats = world.stats;
-    world.record.begin_attempt();
+    before.influences.clone_from(influences);
+    external.begin_attempt();
+    boundaries.begin_attempt();
+    before.stats = *stats;
+    record.begin_attempt();
     before.ids = None;
     // Callers may set positions outside of the torus. Undo must restore their bits.
-    let period = world.settings.container.period();
-    let Particles { positions, residuals, .. } = &mut world.bodies.awake.particles;
+    let period = settings.container.period();
+    let Particles { positions, residuals, .. } = &mut bodies.awake.particles;
     let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
     let is_any_outside = !period.is_none() && positions.iter().any(outside);
     before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
@@ -49,30 +54,43 @@ pub(crate) fn begin_attempt(world: &mut World) {
     }
 }
 
-/// Restores the state before the attempt.
+/// Restores the state before the attempt. It does not undo:
+///
+/// - what motors did to velocities and which islands woke: all attempts begin with that, and only a step that fails
+///   takes it back;
+/// - `time`, settings and text, which no attempt changes;
+/// - what the attempt has exchanged with other processes, which [`Protocol::undo`] removes;
+/// - the list of islands that the attempt would touch, which wake next, and all scratch.
+///
+/// [`Protocol::undo`]: super::distribution::Protocol::undo
 pub(crate) fn undo(world: &mut World) {
-    let before = &mut world.scratch.before;
+    #[rustfmt::skip]
+    let World {
+        influences, boundaries, external, bodies, contacts, stats, record, scratch,
+        settings: _, time: _, attachment: _, halo: _, islands: _,
+    } = world;
+    let before = &mut scratch.before;
     // An attempt that ended before it reordered has left the columns as they were.
     if before.is_reordered {
         let Discs { particles, rows, persistent } = &mut before.discs;
-        std::mem::swap(&mut world.bodies.awake.particles, particles);
-        std::mem::swap(&mut world.bodies.awake.rows, rows);
-        std::mem::swap(&mut world.bodies.awake.persistent, persistent);
-        world.contacts.exchange(&mut before.contacts);
-        world.contacts.remember(world.bodies.awake.rows.len());
-        world.bodies.forget_indices();
+        std::mem::swap(&mut bodies.awake.particles, particles);
+        std::mem::swap(&mut bodies.awake.rows, rows);
+        std::mem::swap(&mut bodies.awake.persistent, persistent);
+        contacts.exchange(&mut before.contacts);
+        contacts.remember(bodies.awake.rows.len());
+        bodies.forget_indices();
     }
     // After the exchange of columns, because these positions are in the old order.
     if let Some([positions, residuals]) = before.unwrapped.take() {
-        (world.bodies.awake.particles.positions, world.bodies.awake.particles.residuals) =
-            (positions, residuals);
+        let Particles { positions: wrapped, residuals: rest, .. } = &mut bodies.awake.particles;
+        (*wrapped, *rest) = (positions, residuals);
     }
-    std::mem::swap(&mut world.influences, &mut before.influences);
-    world.external.undo();
-    world.boundaries.undo();
-    world.stats = before.stats;
-    world.record.undo();
+    std::mem::swap(influences, &mut before.influences);
+    external.undo();
+    boundaries.undo();
+    *stats = before.stats;
+    record.undo();
     if let Some(ids) = before.ids.take() {
-        world.bodies.ids = ids;
+        bodies.ids = ids;
     }
 }

@@ -81,10 +81,16 @@ pub(super) fn finish(world: &mut World) -> Result<()> {
     // A checksum does not show that bytes are not forged. So nothing here may rely on what is
     // not yet checked: lengths come before rows, rows before contacts, and these before
     // islands.
-    let World { settings, bodies, contacts, boundaries, influences, external, record, .. } = world;
+    // Without `..`, so that the compiler asks for a check of each new field. Any text is allowed, and the last four are
+    // not read.
+    #[rustfmt::skip]
+    let World {
+        settings, time, bodies, contacts, boundaries, influences, external, record,
+        attachment: _, stats: _, halo: _, islands: _, scratch: _,
+    } = world;
     let WorldSettings { container, tree, .. } = *settings;
     settings.validate().map_err(refused)?;
-    ensure(world.time.is_finite(), "its time is not finite")?;
+    ensure(time.is_finite(), "its time is not finite")?;
     check_discs(&bodies.awake, settings)?;
     bodies.awake.particles.simplify();
     let Sleepers { discs, contacts: asleep, wall_impulses, islands } = bodies.asleep.sleepers();

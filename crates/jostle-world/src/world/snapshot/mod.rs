@@ -8,8 +8,9 @@
 
 pub(crate) mod check;
 
-use super::World;
 use super::boundaries::Boundaries;
+use super::islands::Islands;
+use super::{Stats, StepScratch, World};
 use jostle_base::bytes::{Reader, Saved, Writer, foreign};
 use jostle_base::error::Result;
 
@@ -40,6 +41,7 @@ impl Saved for World {
     }
 
     fn get(from: &mut Reader<'_>) -> Result<Self> {
+        // Without `..Self::default()`, so that the compiler asks for each new field.
         let (settings, time) = (Saved::get(from)?, Saved::get(from)?);
         let (bodies, contacts) = (Saved::get(from)?, Saved::get(from)?);
         let (impulses, influences, walls) =
@@ -54,7 +56,10 @@ impl Saved for World {
             external: Saved::get(from)?,
             record: Saved::get(from)?,
             attachment: Saved::get(from)?,
-            ..Self::default()
+            stats: Stats::default(),
+            halo: Box::default(),
+            islands: Islands::default(),
+            scratch: StepScratch::default(),
         })
     }
 }
