@@ -25,6 +25,7 @@ pub struct Shared<T> {
 fn current_user() -> u64 {
     static THREADS: AtomicU64 = AtomicU64::new(1);
     thread_local! {
+        // Relaxed: each addition gives another number, in whatever order threads see them.
         static THREAD: u64 = THREADS.fetch_add(1, Ordering::Relaxed);
     }
     (forks() as u64) << 48 | THREAD.with(|thread| *thread)
@@ -57,6 +58,8 @@ impl<T> Shared<T> {
     }
 
     fn used<'a>(&'a self, value: MutexGuard<'a, T>) -> Guard<'a, T> {
+        // Relaxed, here and below: only the thread that stores its own number relies on it, and a thread sees its own
+        // writes. For others it only decides how long they wait; the mutex orders the accesses to the value.
         self.user.store(current_user(), Ordering::Relaxed);
         Guard { value, user: &self.user }
     }
@@ -70,6 +73,7 @@ impl<T> Shared<T> {
                 Err(TryLockError::Poisoned(_)) => return Err(self.broken()),
                 Err(TryLockError::WouldBlock) => {}
             }
+            // Relaxed: an old number of another thread costs another turn at most, see `used`.
             let user = self.user.load(Ordering::Relaxed);
             if user == current_user() {
                 return Err(self.busy());
@@ -115,6 +119,7 @@ pub struct Guard<'a, T> {
 
 impl<T> Drop for Guard<'_, T> {
     fn drop(&mut self) {
+        // Relaxed: the mutex is unlocked after this, with Release, when `value` is dropped.
         self.user.store(0, Ordering::Relaxed);
     }
 }

@@ -260,6 +260,7 @@ impl PyQuadtree {
     /// nodes : The boxes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        // Relaxed: a number for statistics; no other memory depends on it.
         let tests = self.tests.load(Ordering::Relaxed);
         let boxes = detached(py, || with_tree!(&self.tree, tree => tree.count_boxes()))?;
         let [nodes, leaves, depth] = boxes.map_err(refused)?;

@@ -26,9 +26,10 @@ impl Barrier {
         // could miss that it was open, because a faster thread has begun the next wait. With a
         // growing counter a wait that is open once stays open.
         //
-        // Release, with the Acquire below: whatever a thread wrote before the barrier is seen by
-        // every thread after it. All arrivals are read-modify-writes of one counter, so a load that
-        // sees the last arrival also sees what came before all earlier ones.
+        // The Release of AcqRel, with the Acquire below: whatever a thread wrote before the barrier
+        // is seen by every thread after it. All arrivals are read-modify-writes of one counter, so a
+        // load that sees the last arrival also sees what came before all earlier ones. Release would
+        // be enough, because every thread loads the counter with Acquire before it goes on.
         self.arrived.fetch_add(1, Ordering::AcqRel);
         // `times` is counted by the thread itself. A count shared by all would need a second
         // barrier.
@@ -41,6 +42,7 @@ impl Barrier {
     pub(super) fn open(&self) {
         // The highest bit makes the counter larger than any number of arrivals, now and at every
         // later wait. Nothing resets it: the group of threads ends with the panic that opened it.
+        // The order is that of an arrival, so that the threads that pass see what this one wrote.
         self.arrived.fetch_or(OPEN, Ordering::AcqRel);
     }
 }

@@ -151,6 +151,7 @@ static ALWAYS: AtomicBool = AtomicBool::new(cfg!(debug_assertions));
 /// Sets whether small calls of the process wake threads too. For tests; results do not depend on
 /// it.
 pub fn wake_always(always: bool) {
+    // Relaxed: results do not depend on it, so it does not matter when other threads see it.
     ALWAYS.store(always, Ordering::Relaxed);
 }
 
@@ -305,6 +306,7 @@ pub fn forks() -> usize {
 /// Abandons all threads. To be called in a forked process before it uses threads: those of its
 /// parent do not exist in it.
 pub fn abandon_threads() {
+    // Relaxed: the process has one thread now, and those that it starts see all that came before.
     FORKS.fetch_add(1, Ordering::Relaxed);
     // The era is made here, while the process has one thread. A lock that a thread of the parent
     // held when the process was forked stays locked for ever; the new era has locks of its own.

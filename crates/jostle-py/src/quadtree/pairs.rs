@@ -99,6 +99,7 @@ impl PyQuadtree {
             Ok((long(&found.pairs)?, found.tests))
         })?;
         let (pairs, tests) = found.map_err(refused)?;
+        // Relaxed: a number for statistics; no other memory depends on it.
         self.tests.store(tests, Ordering::Relaxed);
         table(py, pairs)
     }
@@ -194,6 +195,7 @@ impl PyQuadtree {
         search: impl FnOnce() -> jostle_base::Result<Overlaps<T, u32>> + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
         let found = detached(py, search)?.map_err(refused)?;
+        // Relaxed: a number for statistics; no other memory depends on it.
         self.tests.store(found.tests, Ordering::Relaxed);
         results::contacts(py, found)
     }

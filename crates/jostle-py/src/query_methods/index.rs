@@ -40,6 +40,7 @@ pub struct CountedTree<'a, T> {
 
 impl<T> CountedTree<'_, T> {
     fn count<R>(&self, found: jostle_base::Result<R>, tests: impl Fn(&R) -> u64) -> Answer<R> {
+        // Relaxed: a number for statistics; no other memory depends on it.
         self.tests.store(found.as_ref().map_or(0, tests), Ordering::Relaxed);
         Ok(found)
     }

@@ -70,6 +70,7 @@ fn write(
             // refuse the step, which is undone then, so it does not matter what is stored here.
             if !is_allowed(&motion) {
                 if !is_finite(&motion) {
+                    // Relaxed, here and below: the value is read after all threads have joined.
                     any.store(true, Ordering::Relaxed);
                 }
                 clamp(&mut motion);
