@@ -29,7 +29,7 @@ pub trait Table {
     fn drop_defaults(&mut self);
     /// Visits each column, in the order of the declaration.
     fn visit(&self, visitor: &mut impl Visitor);
-    /// The same with columns that may be changed.
+    /// Visits each column, in the order of the declaration; the visitor may change it.
     fn visit_mut(&mut self, visitor: &mut impl VisitorMut) -> Result<()>;
 }
 

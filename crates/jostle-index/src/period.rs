@@ -42,7 +42,7 @@ impl<T: Scalar> Period<T> {
         Self(sides)
     }
 
-    /// The same in float64.
+    /// This period in float64.
     #[inline(always)]
     pub fn exact(&self) -> Period<f64> {
         Period(self.0.map(T::to_f64))
@@ -119,7 +119,7 @@ impl<T: Scalar> Period<T> {
         }))
     }
 
-    /// The same for a displacement of at most one period along each axis. Loops over it are
+    /// The shortest image of a displacement of at most one period along each axis. Loops over it are
     /// vectorized, because it neither divides nor branches.
     #[inline(always)]
     pub fn minimum_image_within(&self, displacement: [T; 2]) -> [T; 2] {

@@ -131,7 +131,7 @@ fn copied(py: Python<'_>, pairs: &[[Id; 2]]) -> PyResult<Vec<[Id; 2]>> {
     detached(py, || long(pairs))?.map_err(refused)
 }
 
-/// The same array each time.
+/// The array of some pairs, which is made at the first call and kept.
 fn kept<'py>(
     py: Python<'py>,
     array: &PyOnceLock<Pairs>,

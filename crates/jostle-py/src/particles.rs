@@ -116,7 +116,7 @@ impl Draft {
         Ok((columns, len))
     }
 
-    /// The same for one particle, without a number, or for many.
+    /// The columns of one particle, for which the number is None, or of many, with their number.
     pub fn of_one_or_many<'py>(
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,

@@ -175,7 +175,7 @@ pub fn world_stats(py: Python<'_>, all: jostle_world::Stats) -> PyResult<Bound<'
     STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
 }
 
-/// The same with 64-bit ids; without the GIL.
+/// Hits with 64-bit ids in place of others. It is called without the GIL.
 pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle_base::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;
     if size_of::<I>() == size_of::<i64>() {

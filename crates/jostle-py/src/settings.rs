@@ -39,7 +39,7 @@ pub fn period(value: Maybe<'_, '_>) -> PyResult<Period<f64>> {
     }
 }
 
-/// The same period in another precision.
+/// A period in another precision.
 pub fn period_in<T: Scalar>(period: Period<f64>) -> jostle_base::Result<Period<T>> {
     Period::new(period.sides().map(T::from_f64))
 }

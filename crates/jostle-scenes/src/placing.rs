@@ -26,7 +26,7 @@ pub(crate) fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random
     lattice_places(count, area, jitter, random).collect()
 }
 
-/// The same, one position after the other.
+/// The positions of [`lattice`], computed one after the other.
 pub(crate) fn lattice_places(
     count: usize,
     area: Area,
@@ -45,7 +45,8 @@ pub(crate) fn lattice_places(
     (0..count).map(place)
 }
 
-/// The same, only positions for which `is_free` holds: the lattice gets finer until there are enough.
+/// As [`lattice`], with only positions for which `is_free` holds: the lattice gets finer until there are
+/// enough.
 pub(crate) fn lattice_where(
     count: usize,
     area: Area,

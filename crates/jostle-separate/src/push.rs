@@ -116,7 +116,7 @@ impl<T: Scalar> Pusher<T> {
         let needed = self.radius_sum(a, b) * self.size_factor();
         let distance = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
         if distance > T::ZERO {
-            // The same length as in `push`, for discs: depth plus tolerance is `needed - distance`.
+            // As in `push`, for discs: depth plus tolerance is `needed - distance`.
             let scale = (needed - distance) * self.relaxation / distance;
             return [offset[0] * scale, offset[1] * scale];
         }

@@ -146,7 +146,7 @@ impl<T: Number> Simd<T> for Portable {
     }
     #[inline(always)]
     fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
-        // The same as the absolute value of a - b, also in its bits: rounding is symmetric, and for
+        // It has the bits of the absolute value of a - b: rounding is symmetric, and for
         // equal numbers the difference is +0.
         both(a, b, |a, b| if a > b { a - b } else { b - a })
     }

@@ -38,7 +38,7 @@ impl<T: Scalar> Floors<T> {
         Ok((ids, centers))
     }
 
-    /// The same from the result of [`save`](Self::save). Ids of removed shapes have no effect.
+    /// The floors of the result of [`save`](Self::save). Ids of removed shapes have no effect.
     pub(crate) fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
         let mut floors = Self::default();
         memory::lengthen(&mut floors.all, count, None)?;

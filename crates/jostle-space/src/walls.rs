@@ -13,7 +13,7 @@ use jostle_index::shapes::{Each, Shapes};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Walls<T> {
     original: Vec<[[T; 2]; 2]>,
-    /// The same, with their middles in the first period.
+    /// The ends of the segments, moved so that their middles are in the first period.
     ends: Vec<[[T; 2]; 2]>,
     tree: Quadtree<T>,
 }

@@ -1,6 +1,6 @@
-//! The container: walls around the particles, or a torus. What depends on its shape is here: gaps and
-//! normals, the nearest position inside, times of impact. Only checks of settings and of walls at a
-//! temperature ask for it elsewhere. A torus has no walls but a [`Period`].
+//! The container: sides around the particles, or a torus. What depends on its shape is here: gaps and
+//! normals, the nearest position inside, times of impact. Elsewhere only the checks of forces and of
+//! sides at a temperature match its variants. A torus has no sides but a [`Period`].
 
 use crate::particles::FARTHEST;
 use crate::tolerance::ROUNDING;
@@ -58,7 +58,7 @@ pub struct WallContact {
     pub is_end: bool,
 }
 
-/// The shape of a wall of a container.
+/// The shape of a side of a container.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
     /// A line at a right angle to an axis.
@@ -79,10 +79,10 @@ pub enum Side {
     },
 }
 
-/// Maximum number of walls of a container, and of walls that a particle can touch at once.
-pub const MAX_WALLS: usize = 4;
+/// Maximum number of sides of a container.
+pub const MAX_SIDES: usize = 4;
 
-/// A rectangle.
+/// A rectangle in which discs touch no side of a box.
 pub struct Inner {
     low: [f32; 2],
     high: [f32; 2],
@@ -99,30 +99,30 @@ impl Inner {
 }
 
 impl Container {
-    /// Whether there are walls.
-    pub fn has_walls(&self) -> bool {
-        // Loops over all discs ask this, so no wall is computed for it.
+    /// Whether it has sides.
+    pub fn has_sides(&self) -> bool {
+        // Loops over all discs ask this, so no side is computed for it.
         match self {
             Self::None | Self::Torus { .. } => false,
             Self::Box { .. } | Self::Circle { .. } => true,
         }
     }
 
-    /// Its walls with their numbers: min x, max x, min y and max y of a box, the circle.
+    /// Its sides with their numbers: min x, max x, min y and max y of a box, the circle.
     #[inline(always)]
     pub fn sides(&self) -> impl Iterator<Item = (u32, Side)> + use<> {
         (0..).zip(self.all_sides()).filter_map(|(number, side)| Some((number, side?)))
     }
 
-    /// The wall with a number, if it has one.
+    /// The side with a number, if it has one.
     pub fn side(&self, number: u32) -> Option<Side> {
         self.all_sides().get(number as usize).copied().flatten()
     }
 
     #[inline(always)]
-    fn all_sides(&self) -> [Option<Side>; MAX_WALLS] {
+    fn all_sides(&self) -> [Option<Side>; MAX_SIDES] {
         match self {
-            Self::None | Self::Torus { .. } => [None; MAX_WALLS],
+            Self::None | Self::Torus { .. } => [None; MAX_SIDES],
             Self::Box { min, max } => {
                 let flat = |axis: usize, inward: f64, corner: &[f32; 2]| {
                     Some(Side::Flat { axis, inward, at: f64::from(corner[axis]) })
@@ -145,13 +145,15 @@ impl Container {
         })
     }
 
-    /// Maximum displacement for which the bounds of particles at the beginning of a step are made,
-    /// unless they merge; so few images of others are in them.
+    /// An eighth of the shorter side of a torus, so that few images of others are in bounds; infinite
+    /// for other containers. The first bounds of particles that do not merge allow for a displacement
+    /// of at most this, and a step in which particles merge has so many parts that none moves
+    /// farther in one.
     pub fn max_reach(&self) -> f32 {
         self.period().shortest() / 8.0
     }
 
-    /// The area inside; none if there are no walls.
+    /// The area inside; None for the plane.
     pub fn area(&self) -> Option<f64> {
         let product = |a: f32, b: f32| f64::from(a) * f64::from(b);
         match self {
@@ -306,7 +308,7 @@ impl Container {
     /// be false for a disc in a round container.
     #[inline(always)]
     pub fn is_far(&self, position: [f64; 2], radius: f64, far: [f64; 2]) -> bool {
-        let Self::Box { min, max } = self else { return !self.has_walls() };
+        let Self::Box { min, max } = self else { return !self.has_sides() };
         // The reserve covers the rounding of the positions, in float32 of the largest number
         // involved.
         let far = far.map(|v| radius + v + ROUNDING * size(position, radius));
@@ -321,25 +323,25 @@ impl Container {
     /// container, and where a number overflows.
     #[inline(always)]
     pub fn is_near_side(&self, position: [f32; 2], far: [f32; 2]) -> bool {
-        let Self::Box { min, max } = self else { return self.has_walls() };
+        let Self::Box { min, max } = self else { return self.has_sides() };
         // As a negation of being far, so that NaN counts as near and is tested exactly.
         let near = |k: usize| !((position[k] - min[k] > far[k]) & (max[k] - position[k] > far[k]));
         near(0) | near(1)
     }
 
-    /// The first impact of a disc on a wall, and the index of the wall; `limits` are those at a
-    /// wall.
+    /// The first impact of a disc on a side, and the number of the side; `limits` has those at the side
+    /// with a number.
     #[inline(always)]
     pub fn impact(
         &self,
-        segment: &Piece,
+        piece: &Piece,
         radius: f64,
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
     ) -> Option<(Impact, u32)> {
         let mut first = None::<(Impact, u32)>;
         for (number, side) in self.sides() {
-            let impact = side.impact(segment, radius, gravity, &limits(number));
+            let impact = side.impact(piece, radius, gravity, &limits(number));
             let is_first =
                 |impact: &Impact| first.is_none_or(|(before, _)| impact.time < before.time);
             // Strictly earlier: of two sides at the same time that with the smaller number.
@@ -382,7 +384,7 @@ impl Side {
     #[inline(always)]
     fn impact(
         &self,
-        segment: &Piece,
+        piece: &Piece,
         radius: f64,
         gravity: Vector,
         limits: &Limits,
@@ -390,19 +392,19 @@ impl Side {
         match *self {
             Self::Flat { axis, inward, at } => {
                 // Signs are chosen so that a gap above 0 is inside, for both sides of an axis.
-                let gap = inward * (segment.position[axis] - at) - radius;
-                let speed = inward * segment.velocity[axis];
-                let pull = if segment.falls { -inward * gravity[axis] } else { 0.0 };
-                flat_impact(gap, speed, pull, segment.time, limits)
+                let gap = inward * (piece.position[axis] - at) - radius;
+                let speed = inward * piece.velocity[axis];
+                let pull = if piece.falls { -inward * gravity[axis] } else { 0.0 };
+                flat_impact(gap, speed, pull, piece.time, limits)
             }
             Self::Round { center, radius: outer } => {
-                let q = vector(|k| segment.position[k] - center[k]);
+                let q = vector(|k| piece.position[k] - center[k]);
                 // The centre moves inside of a smaller circle; a disc as wide as the container
                 // stays at its centre.
                 let contact_distance = (outer - radius).max(0.0);
-                let acceleration = if segment.falls { gravity } else { [0.0; 2] };
-                let velocity = segment.velocity;
-                round_impact(q, velocity, acceleration, contact_distance, segment.time, limits)
+                let acceleration = if piece.falls { gravity } else { [0.0; 2] };
+                let velocity = piece.velocity;
+                round_impact(q, velocity, acceleration, contact_distance, piece.time, limits)
             }
         }
     }

@@ -47,7 +47,7 @@ pub fn residual(position: [f64; 2], rounded: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| (position[k] - f64::from(rounded[k])) as f32)
 }
 
-/// The same position in the first period. On an axis that is not periodic nothing changes.
+/// A position, with its residual, in the first period. On an axis that is not periodic nothing changes.
 #[inline(always)]
 pub fn wrapped(
     position: [f32; 2],
@@ -192,7 +192,7 @@ impl Vectors {
         self.0.resize_with(len, Default::default);
     }
 
-    /// The same, with one more for the lanes of blocks without a contact, which is 0.
+    /// Resizes to `len` vectors and one more, which is 0, for the lanes of blocks without a contact.
     pub fn resize_with_spare(&mut self, len: usize) {
         self.resize(len + 1);
         self.set(len as u32, [0.0; 2]);

@@ -16,6 +16,15 @@ pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// Unit vectors whose cosine is above this have the same direction.
+const SAME: f64 = 1.0 - 1e-9;
+
+/// Whether two unit vectors have the same direction, up to rounding.
+#[inline(always)]
+pub fn is_same_direction(a: Vector, b: Vector) -> bool {
+    dot(a, b) > SAME
+}
+
 /// A vector from its two components.
 #[inline(always)]
 pub fn vector(component: impl Fn(usize) -> f64) -> Vector {
@@ -96,7 +105,7 @@ pub struct Limits {
     /// An impact is ignored if without it the surfaces would overlap by less than this at the end
     /// of the flight. The next one resolves it, because the surfaces touch as it begins.
     pub tolerance: f64,
-    /// The same for surfaces that touch, or overlap, where the motion begins.
+    /// This tolerance for surfaces that touch, or overlap, where the motion begins.
     pub touching_tolerance: f64,
     /// Overlap from which on surfaces are deep in each other. Position correction moves them apart.
     pub deep: f64,

@@ -15,7 +15,7 @@ const ALL: [Container; 4] = [
 fn a_disc_at_the_nearest_position_inside_overlaps_no_wall() {
     let mut random = Random::new(1);
     for container in ALL {
-        assert_eq!(container.has_walls(), container.sides().count() > 0);
+        assert_eq!(container.has_sides(), container.sides().count() > 0);
         for _ in 0..1000 {
             let position = [random.between(-30.0, 30.0), random.between(-30.0, 30.0)];
             let radius = random.between(0.0, 2.0);
@@ -55,8 +55,8 @@ fn normals_point_inwards_and_gaps_are_distances() {
 }
 
 #[test]
-fn a_container_has_walls_or_a_period() {
+fn a_container_has_sides_or_a_period() {
     for container in ALL.into_iter().filter(|all| *all != Container::None) {
-        assert_ne!(container.has_walls(), !container.period().is_none(), "{container:?}");
+        assert_ne!(container.has_sides(), !container.period().is_none(), "{container:?}");
     }
 }

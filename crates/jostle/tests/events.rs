@@ -197,7 +197,7 @@ fn events_are_those_of_a_model() {
         let is_merging = settings.on_touch == OnTouch::Merge;
         let least = if is_merging { 30 } else { 300 };
         assert!(entered > least && left > least, "{number}: {entered} {left}");
-        let has_floor = settings.container.has_walls();
+        let has_floor = settings.container.has_sides();
         let rests = settings.restitution < 1.0 && has_floor;
         let stays = rests || settings.on_touch == OnTouch::Ignore;
         assert!(!stays || is_merging || stayed > 100, "{number}: {stayed}");

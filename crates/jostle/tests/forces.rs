@@ -123,7 +123,7 @@ fn rms(found: &[[f32; 2]], exact: &[[f64; 2]]) -> f64 {
     (errors.sum::<f64>() / all).sqrt()
 }
 
-/// The same, each body's error over its own acceleration.
+/// Median of the errors, each over the acceleration of its own body.
 fn median_error(found: &[[f32; 2]], exact: &[[f64; 2]]) -> f64 {
     let length = |[x, y]: [f64; 2]| (x * x + y * y).sqrt();
     let pairs = found.iter().zip(exact);

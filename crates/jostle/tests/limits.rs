@@ -59,7 +59,7 @@ fn a_step_that_overflows_is_refused_and_undone() {
     assert!(error.contains("[0] (inf") && error.contains(", which is not finite"), "{error}");
     assert_eq!(state(&world), before);
     assert_eq!(world.time(), (0..steps).fold(0.0, |time, _| time + 0.01));
-    // The same in one call: the steps before the one that is refused stay.
+    // All steps in one call: the steps before the one that is refused stay.
     let mut other = overflowing();
     assert_eq!(other.step(0.01, 1000).unwrap_err().to_string(), error);
     assert_eq!(state(&other), before);

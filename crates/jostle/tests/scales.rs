@@ -77,7 +77,7 @@ impl Case {
         [self.place + y * along + x * normal, self.place - x * along + y * normal]
     }
 
-    /// The same in float32.
+    /// This point in float32.
     fn rounded(&self, along: f64, normal: f64) -> [f32; 2] {
         self.point(along, normal).map(|v| v as f32)
     }

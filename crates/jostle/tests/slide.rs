@@ -96,7 +96,7 @@ impl Scene {
         (space, ids, displacements)
     }
 
-    /// The same in a periodic plane, with the walkers that overlap nothing there; displacements are
+    /// The scene in a periodic plane, with the walkers that overlap nothing there; displacements are
     /// shorter than the period.
     fn periodic(&self, sides: [f64; 2]) -> (Space<f64>, Vec<Id>, Vec<[f64; 2]>) {
         let period = Period::new(sides).unwrap();

@@ -19,7 +19,7 @@ enum Call {
     Move(Vec<(usize, f64, f64)>),
     /// x, y, width, height, radius.
     AddBoxes(Vec<[f64; 5]>),
-    /// The same without the radius.
+    /// x, y, width, height.
     MoveToBoxes(Vec<(usize, [f64; 4])>),
     /// To where they are already.
     Stay(Vec<usize>),

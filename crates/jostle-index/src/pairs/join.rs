@@ -25,7 +25,7 @@ pub(super) struct Join<'a, T> {
     pub(super) b: &'a Quadtree<T>,
     /// By how much the shapes of `a` are moved in the negative direction.
     pub(super) shift: [T; 2],
-    /// The same for the shapes of `b`.
+    /// By how much the shapes of `b` are moved in the negative direction.
     pub(super) other_shift: [T; 2],
     /// Whether both are the same tree, of which each unordered pair is found once.
     pub(super) is_same: bool,

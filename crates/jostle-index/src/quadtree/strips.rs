@@ -76,12 +76,12 @@ impl<T: Scalar> Strips<T> {
         (along as usize).min(self.count as usize - 1)
     }
 
-    /// The same with its ends listed `by` later, modulo 2^32.
+    /// These strips with their ends listed `by` later, modulo 2^32.
     pub(super) fn moved(self, by: u32) -> Self {
         Self { first: self.first.wrapping_add(by), ..self }
     }
 
-    /// The same for shapes that are higher by `distance`.
+    /// These strips for shapes that are higher by `distance`.
     pub(super) fn reaching(self, distance: T) -> Self {
         // The shapes stay in their strips. Only the reach grows, by the strips in the distance.
         let more = (distance.to_f64() * SLACK * self.per_unit.to_f64()).ceil();

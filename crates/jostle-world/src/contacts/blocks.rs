@@ -13,7 +13,7 @@ use jostle_simd::{LANES, PairIndices, for_each_lane};
 /// (D. M. Young, 1971).
 pub const RELAXATION: f32 = 1.9;
 
-/// The same, for one particle that is much lighter than the other. A light particle between heavy
+/// Relaxation factor of a contact whose one particle is much lighter than the other. A light particle between heavy
 /// ones gets large velocities if the impulses are not exact, so its factor is smaller.
 const LEAST_RELAXATION: f32 = 1.7;
 
@@ -65,7 +65,7 @@ pub struct Block {
     pub least_speeds: [[f32; LANES]; 2],
     /// Impulse along the normal for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
     pub effective_masses: [f32; LANES],
-    /// The same times the factor of over-relaxation.
+    /// The effective mass times the factor of over-relaxation.
     pub relaxed_masses: [f32; LANES],
     /// One over the masses; 0 for particles that do not move in the step.
     pub inverse_masses: [[f32; LANES]; 2],

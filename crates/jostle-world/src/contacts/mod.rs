@@ -110,6 +110,12 @@ fn are_uneven([a, b]: [f32; 2]) -> bool {
 }
 
 impl Contact {
+    /// Whether it rests and presses its particles together.
+    #[inline(always)]
+    pub fn presses(&self) -> bool {
+        self.impulse > 0.0
+    }
+
     /// Adds impulses to the sums of this step.
     #[inline(always)]
     pub fn count(&mut self, impulses: [f32; 2]) {
@@ -144,7 +150,7 @@ impl Contact {
         (self.indices, self.image.map(f32::to_bits))
     }
 
-    /// The same contact with the smaller index first. The impulse of friction stays the same, because
+    /// This contact with the smaller index first. The impulse of friction stays the same, because
     /// the normal changes its sign.
     pub fn ascending(self) -> Self {
         let Self { indices: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
@@ -261,8 +267,8 @@ impl Contacts {
         self.sequence.list(lists, &self.colours, &self.kinds);
     }
 
-    /// Makes the contacts of the pairs. `before` gives the index that each particle had in the
-    /// previous step's order; those that are solved in sequence are in so many `rounds`.
+    /// Makes the contacts of the pairs. `before` has the index of each particle in the order of the
+    /// step before. The contacts that are solved in sequence are divided into `rounds` rounds.
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
@@ -548,7 +554,7 @@ impl Contacts {
 
     /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
-        self.list.iter().filter(|contact| contact.touched || contact.impulse > 0.0)
+        self.list.iter().filter(|contact| contact.touched || contact.presses())
     }
 
     /// All contacts in the list.
@@ -576,7 +582,7 @@ impl Contacts {
             }
             // Most contacts of a gas have no impulse at rest, and a world without one allocates
             // nothing here.
-            if contact.impulse > 0.0 && contact.image == [0.0; 2] {
+            if contact.presses() && contact.image == [0.0; 2] {
                 if starts.is_empty() {
                     starts.resize(indices + 1, 0);
                 }
@@ -594,7 +600,8 @@ impl Contacts {
         !self.previous.starts.is_empty()
     }
 
-    /// The contacts that pushed, in canonical order, as the last step left them.
+    /// The contacts whose particles touched or pushed each other, in canonical order, as the last step
+    /// left them.
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
         self.list.iter().filter(|contact| contact.touched)
     }

@@ -68,7 +68,7 @@ impl Enclosure<'_> {
                     motions.displace(index, by);
                 }
             });
-        } else if container.has_walls() {
+        } else if container.has_sides() {
             parallel::for_rows(threads, particles.len(), |at| _ = move_inside(at as u32));
         }
     }
@@ -103,7 +103,7 @@ impl Enclosure<'_> {
         // A displacement of nearly one radius is then free of walls; larger ones take the exact
         // path.
         let is_free = (walls.is_empty() || walls.is_far(index, position, radius))
-            && (!container.has_walls() || container.inner().contains(position, 2.0 * radius));
+            && (!container.has_sides() || container.inner().contains(position, 2.0 * radius));
         if is_free { FREE * radius * radius } else { 0.0 }
     }
 }

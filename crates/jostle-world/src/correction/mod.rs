@@ -46,6 +46,9 @@ const ITERATIONS: usize = 6;
 /// beyond [`SLOP`].
 const TOLERANCE: f32 = 0.0004;
 
+/// Overlap, as a share of the smaller diameter, from which on two particles are moved apart.
+pub const OVERLAP: f32 = SLOP + TOLERANCE;
+
 /// Displacements in an iteration, one for so many particles, from which on it is worth to find those
 /// that are far from all walls first.
 const WORTH_LISTING: usize = 16;

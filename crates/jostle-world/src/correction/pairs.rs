@@ -1,6 +1,6 @@
 //! Moving the pairs of a colour apart, sixteen at a time.
 
-use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
+use super::{DIRECTIONS, MOST, NEAR, OVERLAP, SLOP, SOFTNESS};
 use crate::contacts::Block;
 use crate::motion::{Motions, Scalars, Vectors};
 use crate::trajectory::Vector;
@@ -53,7 +53,7 @@ impl Block {
         }
     }
 
-    /// The same for contacts that are too uneven for float32; `before` are those that overlapped in
+    /// Measures the contacts that are too uneven for float32; `before` are those that overlapped in
     /// earlier sub-steps. Near the small disc the large one is replaced by a smaller one with the
     /// same surface there.
     #[cold]
@@ -101,7 +101,7 @@ impl Block {
         let (contact_distance, size) = (self.limited_distances(simd), simd.load(&self.sizes));
         // Correction begins a little above the overlap at which it ends. Otherwise each resting
         // contact would be moved by a tiny amount in each sub-step.
-        let least = simd.sub(contact_distance, simd.mul(simd.splat(SLOP + TOLERANCE), size));
+        let least = simd.sub(contact_distance, simd.mul(simd.splat(OVERLAP), size));
         let overlapping = self.near & simd.less(square, simd.mul(least, least));
         if overlapping == 0 {
             return 0;

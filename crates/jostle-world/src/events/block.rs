@@ -38,7 +38,7 @@ pub(super) struct Block {
     pub(super) range: Range<u32>,
     /// Impacts along the first pieces.
     pub(super) first: Vec<Event>,
-    /// The same with discs of other blocks.
+    /// Impacts along the first pieces with discs of other blocks.
     pub(super) crossing: Vec<Event>,
     pub(super) history: History,
     pub(super) is_simulated: bool,
@@ -155,7 +155,7 @@ impl Block {
             if !window.starts[index as usize].is_movable {
                 window.carry(index);
             } else if window.begin == 0.0 {
-                window.move_disc(index, &window.free_segment(index), None);
+                window.move_disc(index, &window.free_piece(index), None);
             } else {
                 // In a window that is not the first, a disc without events in it may have had some
                 // before.

@@ -255,7 +255,7 @@ impl TimeWindow<'_> {
     ) -> &'n [u32] {
         let Flight { walls, gravity, .. } = self.flight;
         let container = walls.container;
-        let (has_sides, has_walls) = (container.has_walls(), !walls.is_empty());
+        let (has_sides, has_walls) = (container.has_sides(), !walls.is_empty());
         near.clear();
         if !(has_sides || has_walls) {
             return near;

@@ -21,7 +21,7 @@ use jostle_base::parallel;
 /// `crates/jostle/tests/scales.rs` limits.
 const SLIGHT: f64 = 1e-6;
 
-/// The same for other impacts. It is below the displacements of the slowest discs in a step.
+/// The share for other impacts. It is below the displacements of the slowest discs in a step.
 const SLIGHTEST: f64 = 1e-11;
 
 /// Overlap of two discs, as a share of the size, from which on position correction separates them.
@@ -100,14 +100,14 @@ pub struct Flight<'a> {
     pub pairs: bool,
     /// The candidate pairs, a list for each image.
     pub candidates: &'a [([f32; 2], Vec<[u32; 2]>)],
-    /// The same of pairs that pass through each other, and are listed if they touch.
+    /// The candidate pairs that pass through each other, and are listed if they touch.
     pub sensed: &'a [([f32; 2], Vec<[u32; 2]>)],
     /// Whether all pairs are of this kind.
     pub senses_all: bool,
     /// Distances from the positions at the beginning of the part; discs that get beyond them are
     /// listed. Empty if none are to be listed.
     pub watched_reaches: &'a [f32],
-    /// The smallest radius above 0, or less.
+    /// The smallest radius above 0; infinite if all discs are points.
     pub smallest_radius: f32,
     /// What is shared with other processes.
     pub halo: &'a dyn Halo,
@@ -284,13 +284,13 @@ impl TimeWindow<'_> {
     pub fn piece(&self, index: u32) -> Piece {
         match self.carried(index) {
             Some(trajectory) => trajectory.piece,
-            None => self.free_segment(index),
+            None => self.free_piece(index),
         }
     }
 
     /// The piece with which a disc begins the flight.
     #[inline(always)]
-    pub fn free_segment(&self, index: u32) -> Piece {
+    pub fn free_piece(&self, index: u32) -> Piece {
         let start = &self.starts[index as usize];
         let is_kicked = !self.flight.kicks.is_empty() && start.is_movable;
         Piece {
@@ -618,7 +618,7 @@ impl TimeWindow<'_> {
         }
     }
 
-    /// The same for the container.
+    /// Calls `act` with each side of the container that a disc touches, as [`Self::each_touched_wall`].
     fn each_touched_side(
         &self,
         index: u32,

@@ -7,7 +7,7 @@
 //! velocities after the impacts are unique, so symmetric impacts have symmetric results.
 
 use super::queue::WALL;
-use crate::trajectory::{Vector, dot, vector};
+use crate::trajectory::{Vector, dot, is_same_direction, vector};
 
 /// Two surfaces that touch, as a constraint on their velocities in an impact.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,10 +21,10 @@ pub struct Constraint {
     pub normal: Vector,
     /// One over the masses; 0 for walls and immovable discs.
     pub inverse_masses: [f64; 2],
-    /// The part of the relative velocity that impacts do not change: the velocity of a second surface
-    /// without a body, or minus that of a first one.
+    /// The part of the relative velocity that impacts do not change, because its surface belongs to no
+    /// body that they move: the velocity of the second surface, or minus that of the first.
     pub carried: Vector,
-    /// The same for the sum of the speeds with which the surfaces turn.
+    /// The part that impacts do not change of the sum of the speeds with which the surfaces turn.
     pub carried_turning: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
@@ -38,8 +38,8 @@ pub const MAX_ITERATIONS: usize = 60;
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
 pub const TOLERANCE: f64 = 1e-14;
 
-/// The same for contacts of which some touch without approaching. Each impulse changes by more than
-/// its contact alone needs (successive over-relaxation; D. M. Young, 1954): discs that are pressed
+/// Iterations, change of speed and factor of the impulses, for contacts of which some touch without
+/// approaching. Each impulse changes by more than its contact alone needs (successive over-relaxation; D. M. Young, 1954): discs that are pressed
 /// in a row need as many iterations as their number, and not as its square.
 const MAX_JOINT_ITERATIONS: usize = 1000;
 const JOINT_TOLERANCE: f64 = 1e-8;
@@ -51,16 +51,13 @@ const JOINT_RELAXATION: f64 = 1.7;
 const TESTED: usize = 100;
 const CONVERGING: f64 = 0.9;
 
-/// Directions whose cosine is above this are the same.
-const SAME: f64 = 1.0 - 1e-9;
-
 /// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
 /// then the impulse along the normal, in the order of the sorted `touches`.
 pub fn apply(touches: &mut [Constraint], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
     iterate((MAX_ITERATIONS, TOLERANCE, 1.0), touches, velocities, impulses);
 }
 
-/// The same for contacts of which some touch without approaching.
+/// As [`apply`], for contacts of which some touch without approaching.
 pub fn apply_jointly(
     touches: &mut [Constraint],
     velocities: &mut [Vector],
@@ -181,7 +178,7 @@ impl Constraint {
     /// Whether another contact with the same key is this one. On a torus a disc may touch two images
     /// of a wall.
     pub fn is_same(&self, other: &Self) -> bool {
-        dot(self.normal, other.normal) > SAME
+        is_same_direction(self.normal, other.normal)
     }
 
     /// Whether one of the two is a surface that no impulse moves.

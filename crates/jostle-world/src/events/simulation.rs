@@ -69,7 +69,7 @@ pub struct Scratch {
     nearby: Vec<Nearby>,
     pub(super) touches: Vec<Constraint>,
     pub(super) velocities: Vec<Vector>,
-    /// The same before they are corrected, and sums of corrections with their numbers.
+    /// The velocities before they are corrected, and sums of corrections with their numbers.
     pub(super) before: Vec<Vector>,
     pub(super) sums: Vec<(Vector, f64)>,
 }

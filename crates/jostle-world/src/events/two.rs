@@ -16,7 +16,7 @@ pub(super) struct Turned<'a> {
     pub(super) index: u32,
     /// The piece that begins now, with the velocity before the impact.
     pub(super) now: &'a Piece,
-    /// The same with the velocity after it.
+    /// The piece that begins now, with the velocity after the impact.
     pub(super) new: &'a Piece,
     /// The number of its events.
     pub(super) count: u32,

@@ -3,7 +3,7 @@
 use super::chance::Chance;
 use super::record::record;
 use super::{check_distinct, check_number};
-use crate::container::{Container, MAX_WALLS};
+use crate::container::{Container, MAX_SIDES};
 use crate::particles::FARTHEST;
 use crate::walls::{MAX_WORLD_WALLS, number_of};
 use jostle_base::error::{Error, Result};
@@ -21,7 +21,7 @@ record! {
         /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
         pub temperature: f32,
         /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
-        pub sides: [bool; MAX_WALLS],
+        pub sides: [bool; MAX_SIDES],
         /// The indices of the walls that have the temperature, on both sides.
         pub walls: Vec<u32>,
         /// Seed of the random numbers.

@@ -131,7 +131,7 @@ macro_rules! fields {
                 );)*
             }
 
-            /// The same with fields that may be changed.
+            /// Visits each field of a row; the visitor may change it.
             #[inline(always)]
             pub fn visit_row_mut(&mut self, row: usize, visitor: &mut impl FieldVisitorMut) {
                 let len = self.len();

@@ -231,7 +231,7 @@ impl Particles {
     }
 }
 
-/// The same angle between −π, which is allowed, and π, which is not.
+/// An angle plus full turns, so that it lies between −π, which is allowed, and π, which is not.
 pub fn wrap_angle(angle: f64) -> f64 {
     // The remainder is exact.
     let rest = angle % TAU;

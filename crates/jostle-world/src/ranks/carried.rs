@@ -103,7 +103,7 @@ impl Push {
         Self { id, wall, impulses, pushes }
     }
 
-    /// The same of the particle in a row.
+    /// The impulses of the wall on the particle in a row.
     pub(crate) fn of_row(&self, row: u32) -> WallImpulse {
         let Self { wall, impulses, pushes, .. } = *self;
         WallImpulse { row, wall, impulses, pushes }
@@ -137,7 +137,7 @@ fn resting_of_own(world: &World) -> Vec<Resting> {
     let ids = &domain.ids;
     let resting = |contact: &Contact| {
         // Impulses across the sides of a torus are not kept.
-        if contact.impulse <= 0.0 || contact.image != [0.0; 2] {
+        if !contact.presses() || contact.image != [0.0; 2] {
             return None;
         }
         let mut indices = contact.indices.map(|index| index as usize);
@@ -392,7 +392,7 @@ fn contacts_of_rows(
             return Err(damaged("no such particle sleeps"));
         };
         // Pairs that only touch have no contact.
-        if of.contact.touched || of.contact.impulse > 0.0 {
+        if of.contact.touched || of.contact.presses() {
             all.push((number, Contact { indices: [a, b], ..of.contact }));
         }
     }

@@ -57,7 +57,7 @@ impl<'a> Grid<'a> {
         self.range_of(sides_of(center, radius))
     }
 
-    /// The same of an AABB, from the ends of both sides.
+    /// The columns and rows of the cells that an AABB overlaps, from the ends of both sides.
     #[inline(always)]
     fn range_of(&self, sides: Aabb) -> [[u16; 2]; 2] {
         // On a torus both ends are wrapped, so the last cell may come before the first.

@@ -18,6 +18,7 @@ use crate::halo::{Halo, digest};
 use crate::particles::Particles;
 use crate::world::bodies::asleep::{Asleep, Sleepers};
 use crate::world::distribution::{Agreed, Distribution, Protocol};
+use crate::world::reach::ROUNDED_UP;
 use crate::world::search::Lists;
 use crate::world::{StepScratch, World, WorldSettings};
 use jostle_base::error::Result;
@@ -50,7 +51,7 @@ pub(crate) struct Announced {
 /// Particles that get further than announced are announced this much further.
 const FURTHER: f32 = 1.25;
 
-/// What merging particles change, for [`World::undo`](crate::world::World::undo).
+/// What merging particles change, which [`Protocol::undo`] restores.
 #[derive(Debug)]
 pub(crate) struct Count {
     ids: Vec<Id>,
@@ -124,7 +125,7 @@ pub(crate) struct Domain {
     pub(crate) ghost_ranks: Vec<u32>,
     /// Hashes of the colours of the contacts of each ghost with own particles; by rows.
     pub(crate) ghost_pairs: Vec<u64>,
-    /// The same of each own row with the ghosts of each rank.
+    /// Hashes of the colours of the contacts of each own row with the ghosts of each rank.
     pub(crate) own_pairs: HashMap<(u32, u32), u64>,
     /// Hashes of what happened to each row in the step.
     pub(crate) digests: Vec<u64>,
@@ -155,10 +156,10 @@ pub(crate) struct Domain {
     pub(crate) rebalance_every: Option<u64>,
     /// Whether they are chosen anew in the next step.
     pub(crate) is_stale: bool,
-    /// The step in which they were chosen, how often they were, and the ghosts of all ranks in the step
-    /// after that; 0 if these are not known.
+    /// The step in which they were chosen, and how often they were.
     pub(crate) chosen: u64,
     pub(crate) rebalances: u64,
+    /// The most ghosts of all ranks in one of the [`FEWEST_STEPS`] steps after that; 0 until the first of these ends.
     pub(crate) usual_ghosts: f64,
 }
 
@@ -393,14 +394,13 @@ impl Domain {
                 self.announced_reaches.push(f32::INFINITY);
                 continue;
             };
-            // In later parts of a step the particle is no longer where it was announced. The factor
-            // is a reserve for rounding.
+            // In later parts of a step the particle is no longer where it was announced.
             let moved = if *position == of.position {
                 0.0
             } else {
                 let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
                 let [x, y] = container.period().exact().minimum_image(offset);
-                ((x * x + y * y).sqrt() * 1.000_01) as f32
+                ((x * x + y * y).sqrt() * ROUNDED_UP) as f32
             };
             let left = of.reach - moved;
             // Bounds beyond the announced circle may overlap particles that this rank does not

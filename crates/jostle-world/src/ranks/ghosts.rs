@@ -11,7 +11,7 @@ use crate::world::World;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Asleep;
 use crate::world::bodies::discs::Discs;
-use crate::world::reach::{distance_at, distance_of_fall, rounding};
+use crate::world::reach::{ROUNDED_UP, SLACK, distance_at, distance_of_fall, rounding};
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
 
@@ -27,6 +27,9 @@ const ALL: f64 = (1u64 << 30) as f64;
 /// For ghosts near the present positions, the circle of a particle is larger by this fraction of its radius. It
 /// includes the gap at which two surfaces count as touching.
 const NEAR: f32 = 0.01;
+
+// Ghosts include all with which a contact may be made, whatever the speeds.
+const _: () = assert!(SLACK < NEAR);
 
 /// Announces where own particles may be in `dt` seconds, and gets the ghosts that may be there. Returns
 /// whether the margin is so wide that each rank has all particles.
@@ -44,7 +47,7 @@ pub(super) fn exchange_ghosts(world: &mut World, dt: f32) -> Result<bool> {
     let fall = distance_of_fall(world.settings.gravity, dt);
     let Some(domain) = domain_of(world) else { return Ok(true) };
     let distance = |(index, &row): (usize, &u32)| {
-        // The same bounds as in a step: velocity, gravity and forces of the caller. Collisions and
+        // Bounds as in a step: velocity, gravity and forces of the caller. Collisions and
         // other forces are covered by the margin.
         let own = distance_at(world.bodies.awake.particles.velocities[index], dt);
         let external = world.external.of(row);
@@ -145,7 +148,7 @@ fn exchange_within(world: &mut World, distances: &[f32]) -> Result<()> {
         // Immovable particles need ghosts only if events are tracked or if they may wake others.
         let wakes = has_sleepers && !particles.is_static(index);
         let needs_ghosts = particles.movable[index] || settings.track_events || wakes;
-        (center, radius * 1.000_01 + rounding, needs_ghosts)
+        (center, radius * ROUNDED_UP + rounding, needs_ghosts)
     };
     // Three messages. All ranks get the cells near particles that need ghosts. Each sends its
     // particles whose circles overlap cells of another rank to that rank. The circles of sleeping

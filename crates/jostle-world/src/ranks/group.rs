@@ -12,7 +12,7 @@ pub trait Communicator: Send {
     fn size(&self) -> usize;
     /// Gathers the same number of bytes from each rank, in the order of ranks.
     fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>>;
-    /// The same, with `counts` bytes from the ranks.
+    /// Gathers bytes from each rank, in the order of ranks; `counts` has how many come from each.
     fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>>;
     /// Sends one number to each rank; returns those from each rank.
     fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>>;
@@ -148,8 +148,8 @@ impl Group {
         Ok(split(&all, &received))
     }
 
-    /// The same with the bytes of all ranks one after another, if it is known how many come from
-    /// each rank, and that none has failed.
+    /// Sends bytes to each rank, and returns those from each, with the bytes of all ranks one after
+    /// another. It must be known how many come from each rank, and that none has failed.
     pub fn exchange_known(
         &mut self,
         to: &[u8],

@@ -34,6 +34,7 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use crate::world::distribution::{Agreement, Protocol};
 use crate::world::external::has_accelerations;
+use crate::world::reach::ROUNDED_UP;
 use crate::world::substeps::too_many_collisions;
 use crate::world::{OnTouch, Stats, World};
 use jostle_base::error::{Error, Result};
@@ -129,7 +130,7 @@ impl Protocol for Ranks {
         } = world;
         let domain = Domain::of_mut(&mut **halo);
         // Before `divide`, which removes the contacts that other ranks solve.
-        let of_pairs = domain.digest_colours(contacts, &scratch.overlaps, particles, rows);
+        let of_pairs = domain.digest_colours(contacts, &scratch.contact_pairs, particles, rows);
         let (mut shape, refinement) = domain.shape_of_all(own, refinement)?;
         domain.add_pair_digests(of_pairs);
         if shape.rounds > 0 {
@@ -234,7 +235,7 @@ impl Protocol for Ranks {
 
     fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
         let all = domain_of(world).map_or(&[][..], |domain| &domain.sleeping);
-        let touch = all.iter().filter(|of| of.is_near || of.contact.impulse > 0.0);
+        let touch = all.iter().filter(|of| of.is_near || of.contact.presses());
         touch.map(|of| of.ids).map(|[a, b]| [a.min(b), a.max(b)]).collect()
     }
 }
@@ -319,7 +320,7 @@ pub(super) fn share_accelerations(world: &mut World) -> Result<()> {
         let Some(of) = domain.announced.get(row as usize) else { continue };
         let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
         let [x, y] = settings.container.period().exact().minimum_image(offset);
-        let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
+        let distance = (x * x + y * y).sqrt() as f32 * ROUNDED_UP as f32 + half_cutoff;
         if distance > of.reach {
             domain.far.push((row, distance));
         }

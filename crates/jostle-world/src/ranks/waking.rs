@@ -15,7 +15,7 @@ use crate::particles::Particles;
 use crate::world::World;
 use crate::world::bodies::asleep::{Asleep, Island, Sleepers};
 use crate::world::islands::wake::wake;
-use crate::world::reach::rounding;
+use crate::world::reach::{ROUNDED_UP, rounding};
 use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -43,8 +43,8 @@ impl Asleep {
             for at in particles.clone().map(|at| at as usize) {
                 let (position, radius) = (all.positions[at], all.radii[at]);
                 // Reserves for rounding, as for the circles of moving particles.
-                let half_width =
-                    f64::from(radius) * 1.000_01 + f64::from(rounding(position, radius, container));
+                let half_width = f64::from(radius) * ROUNDED_UP
+                    + f64::from(rounding(position, radius, container));
                 near.list_ranks(grid, container.period().wrap(position), half_width, &mut ranks);
                 for &rank in &ranks {
                     put_circle(&mut to[rank as usize], *name, all, at);
@@ -104,7 +104,7 @@ impl Domain {
     fn contacts_of_woken(&self, names: &[Id]) -> Vec<Resting> {
         let is_kept = |of: &&super::islands::SleepingContact| {
             let contact = &of.contact;
-            let is_at_rest = contact.impulse > 0.0 && contact.image == [0.0; 2];
+            let is_at_rest = contact.presses() && contact.image == [0.0; 2];
             is_at_rest && names.binary_search(&of.island).is_ok()
         };
         let mut woken: Vec<Resting> = self
@@ -112,9 +112,9 @@ impl Domain {
             .iter()
             .filter(is_kept)
             .map(|of| {
-                let [a, b] = of.ids;
                 let impulses = [of.contact.impulse, of.contact.friction_impulse];
-                Resting { ids: [a.min(b), a.max(b)], rows: [NONE; 2], impulses }
+                // The order of the ids is that of `Resting`: one that sleeps is movable.
+                Resting { ids: of.ids, rows: [NONE; 2], impulses }
             })
             .collect();
         let mut rows: Vec<(Id, u32)> =

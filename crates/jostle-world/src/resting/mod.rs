@@ -32,8 +32,8 @@ use crate::walls::{self as segments, Around};
 use jostle_base::error::Result;
 use jostle_base::{parallel, plain};
 use jostle_simd::LANES;
-pub use rule::are_touching;
-use rule::{FARTHEST, Start, Surfaces};
+use rule::{MAX_REST_GAP, Start, Surfaces};
+pub use rule::{TOUCHING, are_touching};
 use start::Starts;
 use sweeps::{State, Sweeps};
 use walls::OnWalls;
@@ -79,17 +79,17 @@ pub struct Resting {
     after_impacts: Vectors,
     /// Angular velocity times radius; empty if there is no friction.
     surface_speeds: Scalars,
-    /// The speeds that gravity and forces give to the particles in the sub-step, and 0; where there
-    /// are forces.
+    /// The speed that gravity and forces give to each particle in the sub-step, with 0 as a second
+    /// number. Empty, or out of date, if there is a `speed_of_all`.
     speeds: Vectors,
-    /// That speed if there are none, the same for all that move.
+    /// The speed that gravity gives to each particle that moves, if there are no forces.
     speed_of_all: Option<f32>,
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
     /// Scratch of the sweeps.
     work: Vec<u8>,
     walls: Vec<OnWalls>,
-    /// Those of a part of the particles each.
+    /// The lists of the parts of the particles, which are joined to `walls`.
     parts: Vec<WallPart>,
     /// How many of these, the first, belong to particles that have contacts of uneven masses.
     uneven_walls: usize,
@@ -98,7 +98,7 @@ pub struct Resting {
 /// Particles whose walls a thread lists at a time.
 const WALL_PART: usize = 4096;
 
-/// Lists of a part of the particles.
+/// The wall contacts of [`WALL_PART`] particles, which one thread lists.
 #[derive(Debug, Default)]
 struct WallPart {
     walls: Vec<OnWalls>,
@@ -117,7 +117,7 @@ pub struct WallImpulse {
     pub wall: u32,
     /// Along the normal, and of friction.
     pub impulses: [f32; 2],
-    /// Those over mass of the last sub-step, at rest, from which the next one starts.
+    /// The impulses at rest of the last sub-step, divided by the mass. The next sub-step begins with them.
     pub pushes: [f32; 2],
 }
 
@@ -153,7 +153,7 @@ impl Support<'_> {
         near.clear();
         near.resize(indices.len(), 0);
         let container = self.walls.container;
-        let (inner, has_sides) = (container.inner(), container.has_walls());
+        let (inner, has_sides) = (container.inner(), container.has_sides());
         let has_walls = !self.walls.is_empty();
         let h = self.flow.duration as f32;
         let mut count = 0;
@@ -161,7 +161,7 @@ impl Support<'_> {
             let position = self.motions.position(index as u32);
             // No contact farther away can rest, by the rule. The distance is in proportion to what
             // gravity gives, so it has no unit of its own.
-            let far = FARTHEST * kicks[index].speed * h;
+            let far = MAX_REST_GAP * kicks[index].speed * h;
             // Twice the distance, so that rounding does not matter.
             let is_inside = inner.contains(position, 2.0 * far + self.particles.radii[index]);
             let is_near = (has_sides & !is_inside)
@@ -374,7 +374,7 @@ impl Resting {
             walls.len()
         };
         *uneven_walls = 0;
-        if scene.walls.container.has_walls() || !scene.walls.is_empty() {
+        if scene.walls.container.has_sides() || !scene.walls.is_empty() {
             if contacts.has_uneven() {
                 *uneven_walls = list(true);
             }
@@ -382,9 +382,9 @@ impl Resting {
         }
     }
 
-    /// Gives all of its change of velocity to each particle that resting contacts support before
-    /// the flight, which is straight. One that has impacts alone gets the change that these give, and
-    /// falls.
+    /// Writes the changes of velocity of the particles, which come before the flight. A particle that
+    /// resting contacts support gets all of its change, that by gravity included, and flies straight.
+    /// One that has only impacts gets the change by these, and falls in its flight.
     fn end(&self, scene: &Support<'_>, had_impacts: bool, kicks: &mut [Kick]) {
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, index) in kicks.iter_mut().zip(first..) {

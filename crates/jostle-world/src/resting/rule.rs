@@ -8,11 +8,11 @@
 use crate::trajectory::MAX_REST_SPEED;
 
 /// Surfaces touch if their gap is at most this share of the size; at a wall, of the radius.
-const TOUCHING: f32 = 0.003;
+pub const TOUCHING: f32 = 0.003;
 
 /// Surfaces with a larger gap cannot rest. In units of the displacement at the speed that gravity and
 /// forces give in the sub-step.
-pub const FARTHEST: f32 = MAX_REST_SPEED as f32 + 2.01;
+pub const MAX_REST_GAP: f32 = MAX_REST_SPEED as f32 + 2.01;
 
 /// The solver takes the normal as constant in a sub-step. That is allowed if the bodies move by at most
 /// this share of the radius of the curve on which they would slide along each other.
@@ -78,7 +78,7 @@ impl Surfaces {
         // would add energy.
         let closing_speed = larger(gap, 0.0) / h;
         // What falls from farther away lands in a later sub-step.
-        let is_near = (gap <= FARTHEST * most * h) & (closing_speed <= approach + a + b);
+        let is_near = (gap <= MAX_REST_GAP * most * h) & (closing_speed <= approach + a + b);
         let is_touching = are_touching(gap, self.size);
         // One that pushed in the sub-step before is not lost because others throw it off for a moment.
         let is_slow = (normal_speed >= -approach) & ((normal_speed <= separation) | has_pushed);

@@ -40,8 +40,8 @@ enum Which {
     Uneven,
 }
 
-/// A part of the iterations, after which all threads wait for each other, for those of contacts after
-/// each colour.
+/// A part of the iterations. All threads wait for each other after it; in a part with the contacts of
+/// particles they also wait after each colour.
 #[derive(Clone, Copy, Debug)]
 enum Task {
     Contacts(Pass, Which),
@@ -316,7 +316,7 @@ impl Pushes for Alone<'_> {
     }
 }
 
-/// The same of several threads, which wait.
+/// Impulses of contacts that several threads share, each part behind a lock.
 struct Together<'a, 'b, 'w> {
     parts: &'a [Mutex<&'b mut [Block]>],
     /// The part of each block, and its number there.

@@ -1,17 +1,16 @@
 //! Resting contacts of a particle with walls.
 
 use super::pairs::{Pass, Phase};
-use super::{FARTHEST, Start, Support, Surfaces, WallImpulse, are_touching};
+use super::{MAX_REST_GAP, Start, Support, Surfaces, WallImpulse, are_touching};
 use crate::contacts::RELAXATION;
-use crate::container::MAX_WALLS;
 use crate::flow::Kick;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
 use crate::trajectory::rest_speeds;
-use crate::walls;
+use crate::walls::{self, OPPOSED};
 
-/// The cosine of the angle of the normals of two walls below which the walls are at an acute angle.
-const OPPOSED: f32 = -0.5;
+/// Walls on which a particle can rest at once, at most.
+const MAX_CONTACTS: usize = 4;
 
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +19,7 @@ pub struct OnWalls {
     /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for
     /// points.
     softness: f32,
-    contacts: [Option<RestingContact>; MAX_WALLS],
+    contacts: [Option<RestingContact>; MAX_CONTACTS],
 }
 
 /// A wall on which a particle rests.
@@ -52,8 +51,8 @@ impl OnWalls {
         let exact = motions.exact(index as u32);
         let h = scene.flow.duration as f32;
         // The search radius is the one of the rule: beyond it no contact rests.
-        let far = f64::from(FARTHEST * kick.speed * h);
-        let mut contacts = [None; MAX_WALLS];
+        let far = f64::from(MAX_REST_GAP * kick.speed * h);
+        let mut contacts = [None; MAX_CONTACTS];
         let is_near_walls =
             !scene.walls.is_empty() && !scene.walls.is_far(index as u32, position, far as f32);
         if is_near_walls {
@@ -247,13 +246,13 @@ impl RestingContact {
 /// Lets the impulses of a particle between walls at an acute angle begin at 0. They are large, and
 /// nearly cancel; from 0 on, each iteration makes the particle slower, also where they do not
 /// converge.
-fn forget_wedges(contacts: &mut [Option<RestingContact>; MAX_WALLS]) {
+fn forget_wedges(contacts: &mut [Option<RestingContact>; MAX_CONTACTS]) {
     let inward = |at: usize| contacts[at].map_or([0.0; 2], |contact| contact.inward);
     let are_opposed = |a: usize, b: usize| {
         let ([x, y], [u, v]) = (inward(a), inward(b));
-        x * u + y * v < OPPOSED
+        x * u + y * v < OPPOSED as f32
     };
-    if (0..MAX_WALLS).any(|a| (0..a).any(|b| are_opposed(a, b))) {
+    if (0..MAX_CONTACTS).any(|a| (0..a).any(|b| are_opposed(a, b))) {
         contacts.iter_mut().flatten().for_each(|contact| contact.pushes = [[0.0; 2]; 2]);
     }
 }

@@ -157,26 +157,26 @@ impl Around<'_> {
     pub fn impact(
         &self,
         index: u32,
-        segment: &Piece,
+        piece: &Piece,
         until: f64,
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
     ) -> Option<(Impact, u32)> {
-        let mut start = segment.time;
+        let mut start = piece.time;
         let radius = f64::from(self.particles.radii[index as usize]);
-        let (velocity, span) = (segment.velocity, until - start);
+        let (velocity, span) = (piece.velocity, until - start);
         // An upper bound: gravity adds to the speed as if it had the same direction.
         let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
         let longest = fastest * span;
-        if self.is_far(index, segment.position.map(|v| v as f32), longest as f32) {
+        if self.is_far(index, piece.position.map(|v| v as f32), longest as f32) {
             return None;
         }
         // Not a number without displacement of a point.
         let parts = longest / (PART * radius);
         let is_long = parts > 1.0;
         // A disc that stays where its walls were searched needs no search in the tree.
-        let mut search = Search { around: self, segment, radius, gravity, first: None };
-        if !is_long && self.stays_near(index, segment.position, longest) {
+        let mut search = Search { around: self, piece, radius, gravity, first: None };
+        if !is_long && self.stays_near(index, piece.position, longest) {
             self.near.each(index, |wall, offset| {
                 search.test(wall, offset, [start, until], &limits);
             });
@@ -187,7 +187,7 @@ impl Around<'_> {
         let parts = if is_long { parts.min(MAX_PARTS).ceil() } else { 1.0 };
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
-            let bounds = bounds(segment, [start, end], gravity);
+            let bounds = bounds(piece, [start, end], gravity);
             self.each(index, bounds, 0.0, |wall, offset| {
                 search.test(wall, offset, [start, end], &limits);
             });
@@ -210,16 +210,16 @@ impl Around<'_> {
         dot(offset, offset).sqrt() + longest <= f64::from(self.near.reaches[at])
     }
 
-    /// A segment relative to a wall with an offset.
-    fn seen_from(&self, wall: u32, offset: Vector, segment: &Piece) -> Piece {
+    /// A piece relative to a wall with an offset.
+    fn seen_from(&self, wall: u32, offset: Vector, piece: &Piece) -> Piece {
         let velocity = self.velocity(wall);
         if velocity == [0.0; 2] && offset == [0.0; 2] {
-            return *segment;
+            return *piece;
         }
         Piece {
-            position: self.position_from(wall, less(segment.position, offset), segment.time),
-            velocity: vector(|k| segment.velocity[k] - velocity[k]),
-            ..*segment
+            position: self.position_from(wall, less(piece.position, offset), piece.time),
+            velocity: vector(|k| piece.velocity[k] - velocity[k]),
+            ..*piece
         }
     }
 
@@ -234,7 +234,7 @@ impl Around<'_> {
         self.walls.velocity(wall).map(|v| f64::from(v) * self.clock.rate)
     }
 
-    /// Unit normal of a wall where a disc begins a segment, towards the disc.
+    /// Unit normal of a wall where a disc begins a piece, towards the disc.
     pub fn normal(&self, index: u32, wall: u32, now: &Piece) -> Vector {
         let radius = f64::from(self.particles.radii[index as usize]);
         let seen = self.seen_from(wall, [0.0; 2], now);
@@ -287,7 +287,7 @@ impl Around<'_> {
 /// The search for the first impact of a disc on a wall.
 struct Search<'a> {
     around: &'a Around<'a>,
-    segment: &'a Piece,
+    piece: &'a Piece,
     radius: f64,
     gravity: Vector,
     /// The first impact so far, and the number of the wall.
@@ -304,7 +304,7 @@ impl Search<'_> {
         limits: &impl Fn(u32) -> Limits,
     ) {
         let Self { around, radius, gravity, first, .. } = *self;
-        let seen = around.seen_from(wall, offset, self.segment);
+        let seen = around.seen_from(wall, offset, self.piece);
         // A cheap test first, because most walls near a disc are not hit.
         if !around.walls.may_hit(wall, &seen, times, radius, gravity) {
             return;
@@ -324,13 +324,13 @@ impl Search<'_> {
 }
 
 /// A box that contains the trajectory of a centre between two times.
-fn bounds(segment: &Piece, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
-    let [a, b] = times.map(|time| segment.position_at(time, gravity));
+fn bounds(piece: &Piece, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
+    let [a, b] = times.map(|time| piece.position_at(time, gravity));
     // Where a parabola has its vertex along an axis, or one of the ends.
     let vertex = |k: usize| {
-        let time = segment.time - segment.velocity[k] / gravity[k];
-        let is_between = segment.falls && times[0] < time && time < times[1];
-        if is_between { segment.position_at(time, gravity)[k] } else { a[k] }
+        let time = piece.time - piece.velocity[k] / gravity[k];
+        let is_between = piece.falls && times[0] < time && time < times[1];
+        if is_between { piece.position_at(time, gravity)[k] } else { a[k] }
     };
     [vector(|k| a[k].min(b[k]).min(vertex(k))), vector(|k| a[k].max(b[k]).max(vertex(k)))]
 }
@@ -354,13 +354,13 @@ impl Walls {
             && along <= line.length + far
     }
 
-    /// Whether a disc on a segment may touch the wall with a number between two times, by its
+    /// Whether a disc on a piece may touch the wall with a number between two times, by its
     /// extent along the wall and across it, and by the direction in which it moves.
     #[inline(always)]
     fn may_hit(
         &self,
         wall: u32,
-        segment: &Piece,
+        piece: &Piece,
         times: [f64; 2],
         radius: f64,
         gravity: Vector,
@@ -369,14 +369,14 @@ impl Walls {
         let [ux, uy] = line.along;
         // Its distances from the first end across the wall and along it, at both times.
         let [[a, along_a], [b, along_b]] = times.map(|time| {
-            let position = segment.position_at(time, gravity);
+            let position = piece.position_at(time, gravity);
             let [x, y] = vector(|k| position[k] - line.ends[0][k]);
             [y * ux - x * uy, x * ux + y * uy]
         });
         // A parabola leaves its chord by at most g t² / 8.
         let span = times[1] - times[0];
         let sag =
-            if segment.falls { 0.125 * dot(gravity, gravity).sqrt() * span * span } else { 0.0 };
+            if piece.falls { 0.125 * dot(gravity, gravity).sqrt() * span * span } else { 0.0 };
         // The skin of points, and a reserve for rounding.
         let contact_distance = line.contact_distance(radius) + line.least_radius;
         let far = contact_distance + sag;
@@ -387,10 +387,10 @@ impl Walls {
         // A disc that moves away from the line does not come nearer to any of its points; if it is
         // beside the wall and touches it, it will not touch an end either.
         let side = if a < 0.0 { -1.0 } else { 1.0 };
-        let speed = side * dot(line.across(), segment.velocity);
-        let leaves = !segment.falls
+        let speed = side * dot(line.across(), piece.velocity);
+        let leaves = !piece.falls
             && speed >= 0.0
-            && (side * a > contact_distance || line.part_at(segment.position) == Part::Side);
+            && (side * a > contact_distance || line.part_at(piece.position) == Part::Side);
         !(is_apart || leaves)
     }
 
@@ -414,7 +414,7 @@ impl Walls {
         });
     }
 
-    /// The same for a box on the torus.
+    /// Calls `act` for the walls in a box that is on the torus.
     fn each_in(
         &self,
         [min, max]: [Vector; 2],

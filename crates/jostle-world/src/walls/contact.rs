@@ -4,28 +4,25 @@ use std::cmp::Ordering;
 
 use super::{Around, Part, Walls, index_of, less};
 use crate::container::WallContact;
-use crate::trajectory::{Vector, dot, vector};
-
-/// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in
-/// a line.
-const SAME: f64 = 1.0 - 1e-9;
+use crate::trajectory::{Vector, dot, is_same_direction, vector};
 
 /// Maximum number of pushes of a disc out of walls in one call.
 const MAX_PUSHES: usize = 8;
 
 /// Two normals whose cosine is below this are those of walls at an acute angle. A disc between them
 /// is pushed out of both at once, because alternating pushes out of one wall after the other
-/// converge very slowly.
+/// converge very slowly; and it begins each step without impulses at rest.
 /// It is the cosine of 120°, so the angle between the walls is below 60°.
-const OPPOSED: f64 = -0.5;
+pub const OPPOSED: f64 = -0.5;
 
 /// Walls whose angle has a smaller sine count as parallel.
 const PARALLEL: f64 = 1e-6;
 
 impl WallContact {
-    /// Whether two contacts are in the same direction, so that only one of them counts.
+    /// Whether two contacts are in the same direction, as at the joint of two walls in a line. Only one
+    /// of them counts then.
     pub fn is_same(&self, other: &Self) -> bool {
-        dot(self.normal, other.normal) > SAME
+        is_same_direction(self.normal, other.normal)
     }
 
     /// The order of contacts with the same gap: by walls; of images of a wall, by directions.
@@ -58,7 +55,7 @@ impl Walls {
         WallContact { wall, normal, gap: distance - line.contact_distance(radius), is_end }
     }
 
-    /// The same, if the part of the wall that is closest acts on the disc.
+    /// The contact of a disc with a wall, if the part of the wall that is closest acts on the disc.
     pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<WallContact> {
         let index = index_of(wall)?;
         let part = self.line(index).part_at(position);

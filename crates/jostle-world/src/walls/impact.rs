@@ -11,7 +11,7 @@ impl Walls {
     pub fn impact(
         &self,
         wall: u32,
-        segment: &Piece,
+        piece: &Piece,
         radius: f64,
         gravity: Vector,
         limits: &Limits,
@@ -19,7 +19,7 @@ impl Walls {
         let index = index_of(wall)?;
         let line = self.line(index);
         let contact_distance = line.contact_distance(radius);
-        let acceleration = if segment.falls { gravity } else { [0.0; 2] };
+        let acceleration = if piece.falls { gravity } else { [0.0; 2] };
         let mut first = None::<Impact>;
         let parts = [Part::Side, Part::End(0), Part::End(1)];
         let has = |part: &Part| match *part {
@@ -29,11 +29,11 @@ impl Walls {
         for part in parts.into_iter().filter(has) {
             // A later part counts only if it is hit before the first impact so far.
             let until = first.map_or(limits.until, |impact| impact.time);
-            let disc = (segment, radius);
+            let disc = (piece, radius);
             let found = self.first_while_acting(index, part, disc, gravity, until, |during| {
                 let [start, until] = during;
                 let limits = Limits { until, ..*limits };
-                let [position, velocity] = segment.at(start, gravity);
+                let [position, velocity] = piece.at(start, gravity);
                 match part {
                     Part::Side => {
                         let across = line.across();
@@ -67,17 +67,17 @@ impl Walls {
         &self,
         index: u32,
         part: Part,
-        (segment, radius): (&Piece, f64),
+        (piece, radius): (&Piece, f64),
         gravity: Vector,
         until: f64,
         test: impl Fn([f64; 2]) -> Option<Impact>,
     ) -> Option<Impact> {
-        let mut start = segment.time;
+        let mut start = piece.time;
         loop {
             // Between two changes the same part acts, so one point tells which. The middle is
             // farthest from the roots at both ends, whose rounding could give the wrong answer.
-            let end = self.next_change(index, part, (segment, radius), gravity, start).min(until);
-            let middle = segment.position_at(0.5 * (start + end), gravity);
+            let end = self.next_change(index, part, (piece, radius), gravity, start).min(until);
+            let middle = piece.position_at(0.5 * (start + end), gravity);
             if self.acts(index, part, middle, radius)
                 && let Some(impact) = test([start, end])
             {
@@ -95,12 +95,12 @@ impl Walls {
         &self,
         index: u32,
         part: Part,
-        (segment, radius): (&Piece, f64),
+        (piece, radius): (&Piece, f64),
         gravity: Vector,
         after: f64,
     ) -> f64 {
         let next = |line: &Line, end: usize, offset: Vector| {
-            let seen = Piece { position: less(segment.position, offset), ..*segment };
+            let seen = Piece { position: less(piece.position, offset), ..*piece };
             line.crossing(end, &seen, gravity, after)
         };
         let own = self.line(index);
@@ -122,10 +122,10 @@ impl Walls {
 impl Line {
     /// The first time after `after` at which the centre of a disc crosses the line through an end
     /// at a right angle to the wall; infinite if there is none.
-    fn crossing(&self, end: usize, segment: &Piece, gravity: Vector, after: f64) -> f64 {
-        let beyond = self.beyond(end, segment.position);
-        let speed = dot(segment.velocity, self.along);
-        let pull = if segment.falls { dot(gravity, self.along) } else { 0.0 };
+    fn crossing(&self, end: usize, piece: &Piece, gravity: Vector, after: f64) -> f64 {
+        let beyond = self.beyond(end, piece.position);
+        let speed = dot(piece.velocity, self.along);
+        let pull = if piece.falls { dot(gravity, self.along) } else { 0.0 };
         let roots = if pull == 0.0 {
             [-beyond / speed; 2]
         } else {
@@ -136,7 +136,7 @@ impl Line {
             let sum = -(speed + if speed < 0.0 { -root } else { root });
             [sum / pull, 2.0 * beyond / sum]
         };
-        let times = roots.map(|t| segment.time + t);
+        let times = roots.map(|t| piece.time + t);
         // NaN is no root.
         times.into_iter().filter(|&time| time > after).fold(f64::INFINITY, f64::min)
     }

@@ -17,12 +17,13 @@ mod torus;
 use std::cmp::Ordering;
 
 pub use crate::container::WallContact;
-use crate::container::{Container, MAX_WALLS, size};
+use crate::container::{Container, MAX_SIDES, size};
 use crate::motion::exact;
 use crate::particles::FARTHEST;
 use crate::tolerance::{PRECISION, ROUNDING};
 use crate::trajectory::{Vector, dot, vector};
 pub use around::Around;
+pub use contact::OPPOSED;
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::{Error, Result};
 use jostle_base::saved;
@@ -36,7 +37,7 @@ pub use near::Near;
 use torus::{Image, check_torus, each_image, less, torus_offset};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
-const FIRST: u32 = MAX_WALLS as u32;
+const FIRST: u32 = MAX_SIDES as u32;
 
 /// The number of the wall at an index among all walls, those of the container included.
 pub fn number_of(index: u32) -> u32 {
@@ -134,11 +135,11 @@ enum Part {
 
 /// The coefficients of restitution of the sides of the container.
 #[derive(Clone, Copy, Debug)]
-struct Sides([f32; MAX_WALLS]);
+struct Sides([f32; MAX_SIDES]);
 
 impl Default for Sides {
     fn default() -> Self {
-        Self([1.0; MAX_WALLS])
+        Self([1.0; MAX_SIDES])
     }
 }
 
@@ -151,7 +152,7 @@ pub struct Walls {
     images: Vec<Image>,
     /// In the order of the tree, so that discs near each other find their walls near each other.
     lines: Vec<Line>,
-    /// The same in float32, moved by the offsets of images.
+    /// The lines in float32, moved by the offsets of images.
     segments: LineSegments,
     /// The index of each wall in this order.
     indices: Vec<u32>,
@@ -316,17 +317,17 @@ impl Walls {
 
     /// Whether all coefficients of restitution are 1.
     pub fn are_elastic(&self) -> bool {
-        (self.all.is_empty() || self.are_elastic) && self.sides.0 == [1.0; MAX_WALLS]
+        (self.all.is_empty() || self.are_elastic) && self.sides.0 == [1.0; MAX_SIDES]
     }
 
     /// Sets the coefficients of restitution of the sides of the container.
-    pub fn set_sides(&mut self, restitutions: [f32; MAX_WALLS]) {
+    pub fn set_sides(&mut self, restitutions: [f32; MAX_SIDES]) {
         self.sides = Sides(restitutions);
     }
 
     /// Whether all sides of the container have the same coefficient of restitution.
     pub fn has_equal_sides(&self) -> bool {
-        self.sides.0 == [self.sides.0[0]; MAX_WALLS]
+        self.sides.0 == [self.sides.0[0]; MAX_SIDES]
     }
 
     /// Coefficient of restitution of the wall with a number.

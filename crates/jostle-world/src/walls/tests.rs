@@ -21,9 +21,9 @@ fn walls(all: &[[[f32; 2]; 2]]) -> Walls {
 
 /// The first time at which the distance to a wall is at most the radius; None if there is none
 /// before 1.
-fn oracle(walls: &Walls, segment: &Piece, radius: f64, gravity: Vector) -> Option<f64> {
+fn oracle(walls: &Walls, piece: &Piece, radius: f64, gravity: Vector) -> Option<f64> {
     let gap = |time: f64| {
-        let at = segment.position_at(time, gravity);
+        let at = piece.position_at(time, gravity);
         walls.lines.iter().map(|line| line.distance(at)).fold(f64::MAX, f64::min) - radius
     };
     let steps = 20_000;
@@ -53,26 +53,26 @@ fn times_of_impact_are_those_of_the_oracle() {
         let (position, velocity) = (point().map(f64::from), point().map(|v| 3.0 * f64::from(v)));
         let falls = case % 2 == 0;
         let gravity = if falls { [1.0, -9.0] } else { [0.0; 2] };
-        let segment = Piece { position, velocity, falls, ..Piece::default() };
+        let piece = Piece { position, velocity, falls, ..Piece::default() };
         let radius = 0.3;
         if walls.lines.iter().any(|line| line.distance(position) < radius + 1e-3) {
             continue;
         }
         let found =
-            (0..3).filter_map(|k| walls.impact(number_of(k), &segment, radius, gravity, &LIMITS));
+            (0..3).filter_map(|k| walls.impact(number_of(k), &piece, radius, gravity, &LIMITS));
         let found = found.map(|impact| impact.time).min_by(f64::total_cmp);
-        let expected = oracle(&walls, &segment, radius, gravity);
+        let expected = oracle(&walls, &piece, radius, gravity);
         hits += usize::from(expected.is_some());
         match (found, expected) {
             (Some(a), Some(b)) => assert!((a - b).abs() < 1e-9, "case {case}: {a} {b}"),
             // A wall that is only grazed.
             (None, Some(b)) => {
-                let [at, _] = segment.at(b + 5e-5, gravity);
+                let [at, _] = piece.at(b + 5e-5, gravity);
                 let depth = walls.lines.iter().map(|line| radius - line.distance(at));
                 assert!(depth.fold(f64::MIN, f64::max) < 1e-5, "case {case}: {b}");
             }
             (Some(a), None) => {
-                let [at, _] = segment.at(a, gravity);
+                let [at, _] = piece.at(a, gravity);
                 let gap = walls.lines.iter().map(|line| line.distance(at) - radius);
                 assert!(gap.fold(f64::MAX, f64::min).abs() < 1e-9, "case {case}: {a}");
             }

@@ -192,13 +192,13 @@ impl Boundaries {
         renumber(&mut self.impulses, |impulse| &mut impulse.row, (gone, shifted));
     }
 
-    /// The same of the pushes, which only a step that goes on needs.
+    /// Removes the pushes on removed rows, and gives the rest their new rows. Only a step that goes on needs them.
     pub(crate) fn renumber_pushes(&mut self, gone: &[bool], shifted: &[u32]) {
         renumber(&mut self.pushes, |impulse| &mut impulse.row, (gone, shifted));
     }
 }
 
-/// The same, where other columns of the boundaries are written.
+/// The walls around the particles, from borrowed columns: the others of the boundaries may be written.
 pub(crate) fn around<'a>(
     walls: &'a Walls,
     near: &'a Near,

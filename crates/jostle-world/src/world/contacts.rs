@@ -9,6 +9,7 @@ use super::refinement::own_refinement;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::contacts::Materials;
+use crate::correction::OVERLAP;
 use crate::halo::Halo;
 use crate::motion::exact;
 use crate::particles::Particles;
@@ -19,9 +20,6 @@ use crate::world::bodies::discs::Discs;
 use jostle_base::error::Result;
 use jostle_base::interrupt;
 use jostle_base::parallel;
-
-/// Overlap, as a share of the size, from which positions are corrected where nothing rests.
-const OVERLAP: f32 = 0.0024;
 
 /// Relative error of the square of a distance in float32, with a reserve.
 const APART: f32 = 1e-5;
@@ -48,8 +46,8 @@ impl World {
         } = self;
         let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
-        let StepScratch { overlaps, overlap_parts, rest_distances, forces, .. } = scratch;
-        let to = (&mut *overlaps, overlap_parts);
+        let StepScratch { contact_pairs, contact_pair_parts, rest_distances, forces, .. } = scratch;
+        let to = (&mut *contact_pairs, contact_pair_parts);
         // Which pairs become contacts must follow from the state of the two. Candidate pairs are
         // more where bounds are larger, and bounds depend on the speeds of all particles. If all
         // candidates became contacts, a fast particle far away would change the colours, and with
@@ -74,7 +72,7 @@ impl World {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, contacts, ..
         } = self;
-        contacts.colour(&scratch.overlaps, particles, threads);
+        contacts.colour(&scratch.contact_pairs, particles, threads);
         interrupt::check()?;
         // Ranks solve colour after colour together, with an exchange of ghosts between. So all need
         // the same number of colours and rounds, and the same number of sub-steps.
@@ -87,7 +85,7 @@ impl World {
             contacts,
             ..
         } = self;
-        let lists = &scratch.overlaps;
+        let lists = &scratch.contact_pairs;
         // The rows of the tree are the indices that the particles had in the last step. By these
         // the impulses for warm starting are found.
         let before = scratch.tree.rows();
@@ -125,17 +123,18 @@ impl World {
         true
     }
 
-    /// Of a world in which some particles lose energy and others do not: adds those that may touch
-    /// one that does, and leaves out the pairs of others, unless they overlap. They cannot come to
-    /// rest, and are those of a world in which nothing loses energy.
+    /// Leaves out pairs that cannot come to rest, in a world in which some particles lose energy and
+    /// others do not. Marks the particles that may touch one that loses energy as lossy, too. Of two
+    /// particles without a mark only pairs that overlap are kept, as in a world in which nothing loses
+    /// energy.
     fn leave_out_elastic(&mut self) -> Result<()> {
         let Self { bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, halo, .. } =
             self;
-        let StepScratch { lossy, overlaps, .. } = scratch;
+        let StepScratch { lossy, contact_pairs, .. } = scratch;
         let own = |index: usize| loses_energy(particles, index);
         // The test reads the particles and not the list that it writes. So only direct neighbours
         // are added, and the order of the pairs changes nothing.
-        for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
+        for pair in contact_pairs.iter().flat_map(|(_, pairs)| pairs) {
             let [a, b] = pair.map(|index| index as usize);
             lossy[a] |= own(b);
             lossy[b] |= own(a);
@@ -148,7 +147,7 @@ impl World {
             |index| [f32::from(u8::from(cells[index as usize].get()))],
             |index, [is_lossy]| cells[index as usize].set(is_lossy > 0.0),
         )?;
-        for (image, pairs) in overlaps.iter_mut() {
+        for (image, pairs) in contact_pairs.iter_mut() {
             let is_any = |pair: [u32; 2]| pair.iter().any(|&index| lossy[index as usize]);
             pairs.retain(|&pair| is_any(pair) || overlap(particles, pair, *image));
         }
@@ -183,12 +182,12 @@ pub(crate) fn loses_energy(particles: &Particles, index: usize) -> bool {
 /// Lists the pairs for which `is_listed` is true, sorted; the scratch keeps the lists of threads.
 fn find_pairs(
     pairs: &Lists,
-    (overlaps, scratch): (&mut Lists, &mut Vec<Vec<[u32; 2]>>),
+    (contact_pairs, scratch): (&mut Lists, &mut Vec<Vec<[u32; 2]>>),
     threads: Option<usize>,
     is_listed: impl Fn([u32; 2], [f32; 2]) -> bool + Sync + Send,
 ) {
-    overlaps.resize_with(pairs.len(), Default::default);
-    for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
+    contact_pairs.resize_with(pairs.len(), Default::default);
+    for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(contact_pairs.iter_mut()) {
         *image_of_list = *image;
         // Parts have a fixed size, and are joined in their order: the list is the same for every
         // number of threads.

@@ -201,8 +201,8 @@ pub(crate) struct StepScratch {
     /// Those of pairs that pass through each other, if it matters whether they touch.
     pub(crate) sensed: search::Lists,
     /// Those of which contacts are made.
-    pub(crate) overlaps: search::Lists,
-    pub(crate) overlap_parts: Vec<Vec<[u32; 2]>>,
+    pub(crate) contact_pairs: search::Lists,
+    pub(crate) contact_pair_parts: Vec<Vec<[u32; 2]>>,
     /// How far from its surface each particle may rest in the step.
     pub(crate) rest_distances: Vec<f32>,
     /// Which particles lose energy, or may touch one that does, of a world in which some do and

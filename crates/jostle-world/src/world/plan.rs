@@ -1,12 +1,13 @@
-//! The plan of a part of a step: what its stages do, decided once.
+//! The plan of a part of a step: what its stages do.
 //!
-//! The decisions follow from the settings, the forces and what the particles of all processes require, never from
-//! a search. So they are the same on every process, with brute force and with the tree. Two fields are those of one
-//! process, and change no result: `threads`, and `is_bounded`, which allows events to skip a test. Stiff springs decide
-//! whether contacts rest; they are a property of one process, because distributed worlds have no springs.
-//! `is_bounded` and the number of sub-steps are completed once, after the bounds and the contacts ([`Plan::refined`]).
-//! `World::step_once` makes the plan after it has computed the forces, because these say how springs are solved, and
-//! hands it to the stages.
+//! `World::step_once` makes it after the forces, because these say how springs are solved, and hands it to the stages.
+//! What it says about physics follows from the settings, the forces and what the particles of all processes require,
+//! never from candidate pairs. So it is the same on every process, with brute force and with the tree. Stiff springs
+//! decide whether contacts rest; they are a property of one process, because distributed worlds have no springs.
+//!
+//! Later stages complete it twice. The bounds clear `is_bounded` if they are cut. The contacts give `refinement`, on
+//! which all processes agree, and with it `substeps` and `threads` ([`Plan::refined`]). `threads` and `is_bounded`,
+//! which allows events to skip a test, are those of one process and change no result.
 
 use super::external::has_accelerations;
 use super::{DEFAULT_SUBSTEPS, World};
@@ -78,7 +79,7 @@ impl Plan {
         }
     }
 
-    /// The same with more sub-steps, which contacts need.
+    /// This plan with more sub-steps, which contacts need.
     pub(crate) fn refined(self, world: &World, refinement: usize) -> Self {
         let substeps = self.substeps * refinement;
         let threads = threads(world, substeps, self.may_rest);
@@ -133,7 +134,7 @@ fn is_lossless(world: &World) -> bool {
     world.halo.agreed().map_or_else(|| are_own_lossless(world), |agreed| agreed.is_lossless)
 }
 
-/// The same of the particles of this process.
+/// Whether all collisions of the particles of this process keep the energy.
 pub(crate) fn are_own_lossless(world: &World) -> bool {
     // Chunks without branches, for vector instructions.
     let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));

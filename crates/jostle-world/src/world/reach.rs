@@ -4,9 +4,18 @@ use super::force_step::{ForceScratch, force_displacement};
 use super::settings::WorldSettings;
 use crate::container::Container;
 use crate::particles::Particles;
+use crate::resting::TOUCHING;
 
 /// Share of the radius within which surfaces may come to rest, whatever their speeds.
-const SLACK: f32 = 0.005;
+pub(crate) const SLACK: f32 = 0.005;
+
+// Two discs that touch by the rule of resting have a contact whatever their speeds: their slacks together are at least
+// `SLACK` times the smaller diameter, of which `TOUCHING` is a share. (A point has no slack of its own.)
+const _: () = assert!(TOUCHING < SLACK);
+
+/// Factor that makes an upper bound of a distance. It is a reserve for the rounding of the few operations in float32
+/// that computed the distance, which is below 10⁻⁶ in all.
+pub(crate) const ROUNDED_UP: f64 = 1.000_01;
 
 /// The reaches of particles by their velocities and by forces, if nothing hits them.
 pub(crate) struct FreeReaches<'a> {
@@ -32,8 +41,8 @@ impl<'a> FreeReaches<'a> {
         (distance_at(particles.velocities[index], self.dt) + by_forces).min(self.longest)
     }
 
-    /// The same, but at most how far bounds let it get. Unlike bounds it depends on no other
-    /// particle.
+    /// That of a particle, but at most the reach of its `bounds`. Where these are made for the whole
+    /// step it is the free reach, which depends on no other particle.
     pub(crate) fn within(&self, particles: &Particles, index: usize, bounds: f32) -> f32 {
         self.of(particles, index).min(bounds)
     }
@@ -42,8 +51,7 @@ impl<'a> FreeReaches<'a> {
 /// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
 #[inline(always)]
 pub(crate) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
-    // The factor is a reserve for the rounding of these operations, which is below 10⁻⁶ in all.
-    (u * u + v * v).sqrt() * dt * 1.000_01
+    (u * u + v * v).sqrt() * dt * ROUNDED_UP as f32
 }
 
 /// The distance that a particle at rest falls in `dt` seconds.

@@ -133,7 +133,8 @@ impl Record {
         during
     }
 
-    /// Begins a new record with the pairs at the end of this one whose particles are in the world.
+    /// Begins a new record. The pairs at its beginning are those at the end of this one. Until it ends they are those at
+    /// its end, too, without the pairs of which a particle is gone.
     pub(crate) fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) {
         // Of several records without a step, only the last may be as before.
         let old = Self { previous: None, ..std::mem::take(self) };

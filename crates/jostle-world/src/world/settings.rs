@@ -1,6 +1,6 @@
 //! The settings of a world, apart from its particles and forces.
 
-use crate::container::{Container, MAX_WALLS};
+use crate::container::{Container, MAX_SIDES};
 use crate::particles;
 use jostle_base::error::{Error, Result};
 use jostle_base::saved;
@@ -30,11 +30,11 @@ pub struct WorldSettings {
     pub drag: f32,
     /// Coefficient of restitution of the world, 0 to 1; multiplied by those of the particles.
     pub restitution: f32,
-    /// The walls.
+    /// The region that contains the particles.
     pub container: Container,
     /// Coefficients of restitution of its sides, 0 to 1, at min x, max x, min y and max y; those of a
     /// circle are equal. At a side it is multiplied by those of the world and the particle.
-    pub container_restitution: [f32; MAX_WALLS],
+    pub container_restitution: [f32; MAX_SIDES],
     /// What happens to particles that touch.
     pub on_touch: OnTouch,
     /// How pairs are found. The result is the same.
@@ -70,7 +70,7 @@ impl Default for WorldSettings {
             drag: 0.0,
             restitution: 1.0,
             container: Container::None,
-            container_restitution: [1.0; MAX_WALLS],
+            container_restitution: [1.0; MAX_SIDES],
             on_touch: OnTouch::Bounce,
             method: Method::Quadtree,
             substeps: None,
@@ -104,8 +104,8 @@ impl WorldSettings {
     }
 
     /// The coefficients of restitution of the sides that there are; 1 for others.
-    pub(crate) fn side_restitutions(&self) -> [f32; MAX_WALLS] {
-        if self.container.has_walls() { self.container_restitution } else { [1.0; MAX_WALLS] }
+    pub(crate) fn side_restitutions(&self) -> [f32; MAX_SIDES] {
+        if self.container.has_sides() { self.container_restitution } else { [1.0; MAX_SIDES] }
     }
 
     fn validate_sides(&self) -> Result<()> {

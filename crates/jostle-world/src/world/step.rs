@@ -1,7 +1,7 @@
 //! A step: from positions and velocities to those `dt` seconds later.
 //!
-//! Three functions call each other. [`World::step_watched`] makes several steps. `step_until_complete` makes one: it
-//! undoes and repeats it if it has reached sleeping particles, or if processes do not agree. `step_once` is one
+//! A chain of three functions: [`World::step_watched`] makes several steps. `step_until_complete` makes one: it undoes
+//! and repeats an attempt that would touch sleeping particles, or on which processes do not agree. `step_once` is one
 //! attempt, and has the order of the stages.
 
 use super::bounds::find_bounds;
@@ -10,7 +10,7 @@ use super::drive::drive;
 use super::force_step::{apply_andersen, break_springs};
 use super::islands::sleep::fall_asleep;
 use super::islands::wake::{
-    cancel_waking, forget_woken, has_left_bounds_to_sleepers, is_near_sleepers, is_still,
+    cancel_waking, find_touched_beyond_reach_on_all, find_touched_on_all, forget_woken, is_still,
     wake_touched,
 };
 use super::merge::merge;
@@ -33,8 +33,8 @@ use jostle_base::interrupt;
 /// searched (docs/benchmarks-notes.md, walls).
 const SPARE: f32 = 0.3;
 
-/// Attempts at a step after which only the islands that they touched wake. After one more all wake.
-pub(crate) const MAX_ATTEMPTS: usize = 4;
+/// Times in a step that only the islands wake that an attempt would touch. The next time all wake.
+const MAX_WAKINGS: usize = 4;
 
 impl World {
     /// Advances the world by `steps` times `dt` seconds. After a refused or interrupted step the world has
@@ -68,7 +68,7 @@ impl World {
     /// Makes a step. If it fails on any process, it fails on all, and changes nothing.
     ///
     /// An attempt that reaches sleeping islands is undone, they wake, and the next attempt begins. So no particle
-    /// meets a sleeping one, and the stages know nothing of sleeping. After [`MAX_ATTEMPTS`] such attempts the next
+    /// meets a sleeping one, and the stages know nothing of sleeping. After [`MAX_WAKINGS`] such attempts the next
     /// one wakes all islands, so that the loop ends. An attempt on which processes do not agree is repeated with more
     /// ghosts.
     fn step_until_complete(&mut self, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
@@ -98,7 +98,7 @@ impl World {
                     Outcome::Complete(_) => return Ok(()),
                     Outcome::Disagreement(agreement) => protocol.widen(world, agreement, dt)?,
                     Outcome::MeetsSleepers => {
-                        wake_touched(world, wakings == MAX_ATTEMPTS)?;
+                        wake_touched(world, wakings == MAX_WAKINGS)?;
                         wakings += 1;
                     }
                 }
@@ -181,7 +181,7 @@ impl World {
             watch(Stage::Build, self);
             interrupt::check()?;
             // As early as possible, because the attempt is undone if this is true.
-            if is_near_sleepers(self, dt)? {
+            if find_touched_on_all(self, dt)? {
                 return Ok(Outcome::MeetsSleepers);
             }
             find_candidates(self, &plan)?;
@@ -189,7 +189,10 @@ impl World {
             interrupt::check()?;
             // From here on the order of indices is the canonical one: Morton order, ties by the
             // state. All sums, contacts and loops use it, so results do not depend on the order of
-            // adding.
+            // adding. It is the order of the tree, so candidate pairs, listed above, and near walls
+            // have the new indices already. `tree.rows()` has the old index of each new one: by old
+            // indices `find_touched_on_all` reads the columns, before this line, and `make_contacts`
+            // finds the impulses of the last step.
             reorder(self, plan.threads);
             self.halo.protocol().begin_part(self);
             // Only the contacts show which heavy particles press on light ones.
@@ -205,7 +208,7 @@ impl World {
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);
             // Collisions may have carried particles beyond the bounds that were tested before.
-            if has_left_bounds_to_sleepers(self)? {
+            if find_touched_beyond_reach_on_all(self)? {
                 return Ok(Outcome::MeetsSleepers);
             }
             // Particles must not merge on trajectories that another rank contradicts.

@@ -64,7 +64,7 @@ pub(crate) fn touching(world: &mut World) -> Result<Vec<[Id; 2]>> {
     let World { bodies, contacts, record, halo, settings, scratch, .. } = &mut *world;
     let is_asleep_known = record.knows_sleepers || !halo.is_whole();
     let rows = find_touching(bodies, is_asleep_known, settings, &mut scratch.touching)?;
-    let is_pressed = |contact: &&Contact| contact.impulse > 0.0;
+    let is_pressed = |contact: &&Contact| contact.presses();
     let awake = contacts.lasting().filter(is_pressed);
     let awake = awake.map(|contact| contact.indices.map(|index| bodies.awake.rows[index as usize]));
     let asleep = bodies.asleep.contacts().filter(is_pressed).map(|contact| contact.indices);

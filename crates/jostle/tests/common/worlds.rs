@@ -13,7 +13,7 @@ pub fn discs(rows: &[Row], radius: f32) -> Particles {
     Particles::new(positions, velocities, vec![radius; rows.len()], 1.0)
 }
 
-/// The same, without velocities.
+/// Discs of one radius and of density 1, without velocities.
 pub fn still(positions: &[[f32; 2]], radius: f32) -> Particles {
     let len = positions.len();
     Particles::new(positions.to_vec(), vec![[0.0; 2]; len], vec![radius; len], 1.0)
@@ -84,14 +84,14 @@ pub fn world_of(all: Particles, settings: WorldSettings) -> World {
     World::new(all, settings).expect("the particles and settings of a test are valid")
 }
 
-/// The same with walls.
+/// A world with walls.
 pub fn walled(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> World {
     let mut world = world_of(all, settings);
     world.set_walls(walls).expect("the walls of a test are valid");
     world
 }
 
-/// The same with forces.
+/// A world with forces.
 pub fn forced(all: Particles, forces: Vec<Influence>, settings: WorldSettings) -> World {
     let mut world = world_of(all, settings);
     world.set_forces(forces).expect("the forces of a test are valid");

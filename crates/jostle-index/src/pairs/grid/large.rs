@@ -51,7 +51,7 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
         pieces.for_each(|piece| items.extend_from_slice(piece));
         for item in &*items {
             let half_extent = half_extent_of(&item.sizes);
-            // The same slack as for cells: the cell of a centre is rounded, here and in `keys`.
+            // The slack is that of cells: the cell of a centre is rounded, here and in `keys`.
             let distance = [0, 1].map(|k| (half_extent[k].to_f64() + small[k].to_f64()) * SLACK);
             let around = layout.around(item.center.map(T::to_f64), distance);
             cells.push(around);

@@ -47,7 +47,8 @@ const MAX_DAMPING: f64 = 0.25;
 /// is at most twice that sum.
 const STIFF: f64 = 1.45;
 
-/// The same of damping over mass, times the sub-step.
+/// A body is stiff, too, if the sum of the damping of the springs of one of its particles, over the mass
+/// and times the sub-step, is more than this.
 const STIFF_DAMPING: f64 = 1.0;
 
 record! {
@@ -439,7 +440,7 @@ fn integrate(
         for link in links {
             let numbers = link.nodes.map(|node| node as usize - base);
             let [a, b] = numbers.map(|node| nodes[node]);
-            // The same factor for both ends, so that momentum is conserved.
+            // Both ends have one factor, so that momentum is conserved.
             let stiffness =
                 factor(max_stiffness, a.stiffness).min(factor(max_stiffness, b.stiffness));
             let damping = factor(max_damping, a.damping).min(factor(max_damping, b.damping));

@@ -241,9 +241,10 @@ impl Asleep {
         Ok(())
     }
 
-    /// Lists in `islands` those of which a particle overlaps one of the circles in a tree,
-    /// ascending; of a smaller circle with the radius that `radius` returns for its row, if it
-    /// returns any. All islands, if there are too many pairs to list.
+    /// Lists in `islands`, ascending, the islands of which a particle overlaps one of some circles.
+    /// The circles are those in a tree, each with the radius that `radius` returns for its row if that
+    /// is smaller; None leaves a circle out. If there are too many pairs to list, all islands are
+    /// listed.
     pub(crate) fn touched(
         &self,
         circles: &Quadtree<f32>,

@@ -31,7 +31,7 @@ pub(crate) struct RecentMotion {
     /// Displacement of the particle and of its surface in the previous quarter; infinite if it was
     /// too fast.
     pub(crate) before: [f32; 3],
-    /// The same in this quarter so far.
+    /// Displacement of both in this quarter so far; infinite if it was too fast.
     pub(crate) now: [f32; 3],
 }
 

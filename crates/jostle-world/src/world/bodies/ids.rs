@@ -128,7 +128,7 @@ impl Bodies {
         ids.iter().enumerate().map(row).collect()
     }
 
-    /// The same; refuses ids given twice, too.
+    /// The rows of some ids. Refuses ids that no particle has, and ids given twice.
     pub fn distinct_rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
         let rows = self.rows_of(ids)?;
         if rows.is_sorted_by(|a, b| a < b) {

@@ -57,7 +57,7 @@ impl Islands {
         let rest = |&row: &u32| if is_on_wall(row) { Rest::Supported } else { Rest::Free };
         rests.extend(discs.rows.iter().map(rest));
         // Only contacts with an impulse carry anything. Surfaces that merely touch support nothing.
-        let pressed = contacts.lasting().filter(|contact| contact.impulse > 0.0);
+        let pressed = contacts.lasting().filter(|contact| contact.presses());
         for pair in pressed.map(|contact| contact.indices).chain(tied) {
             let [a, b] = pair.map(|index| index as usize);
             let rest = if movable[a] && movable[b] { Rest::OnOther } else { Rest::Supported };

@@ -29,7 +29,8 @@ use motion::IslandMotion;
 /// Stands for no island.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The islands of a step: working memory without state.
+/// The islands of a step: working memory, of which nothing is kept from step to step. Within a step, `touched` lasts
+/// from the attempt that lists it until these islands wake, when the attempt has been undone.
 #[derive(Debug, Default)]
 pub(crate) struct Islands {
     groups: DisjointSets,

@@ -45,9 +45,9 @@ pub(crate) struct IslandMotion {
     /// The largest squares of the mean speeds of its members over their limits: in the previous
     /// quarter and in this one.
     pub(crate) squares: [f32; 2],
-    /// Whether a member rests on a wall or on a static particle.
+    /// Whether a member rests on a wall or on a static particle, or has a spring to a static one.
     pub(crate) is_supported: bool,
-    /// Whether each member rests on something.
+    /// Whether each member rests on something or has a spring.
     pub(crate) all_rest: bool,
     /// Sum over its members of the change of the mean velocity over its limit, in units of
     /// [`UNIT`].

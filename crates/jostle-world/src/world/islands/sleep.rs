@@ -1,8 +1,8 @@
 //! Falling asleep: islands that rest are taken out of the columns that a step works on.
 //!
 //! At the end of each quarter of a second, an island falls asleep if each of its members rests on a particle or a
-//! wall, at least one of them on a wall or a static particle, if each has been slow in this
-//! quarter and in the previous one, if the largest mean speed has not grown from one
+//! wall or has a spring, at least one of them rests on a wall or a static particle or has a spring to a static one,
+//! if each has been slow in this quarter and in the previous one, if the largest mean speed has not grown from one
 //! to the other, and if the mean velocity of the island has hardly changed. Discs that begin to
 //! topple move slowly for longer, but faster and faster; a disc that reverses its direction on a slope is slow
 //! for a while, but its velocity changes steadily.
@@ -107,14 +107,14 @@ fn list_sleepers(world: &mut World) -> Result<bool> {
 /// count: which there are depends on the speeds of all particles.
 fn find_islands(world: &mut World, own: u32) {
     let World { bodies, contacts, boundaries, scratch, influences, islands, .. } = world;
-    let StepScratch { overlaps, events, forces, .. } = scratch;
+    let StepScratch { contact_pairs, events, forces, .. } = scratch;
     let indices = &forces.indices;
     let tied = awake_springs(influences, indices)
         .map(|spring| spring.pair.map(|row| indices[row as usize]));
-    // Three reasons join two particles: they were near by themselves when the step began, they
-    // touched in it, or a spring connects them.
+    // Three reasons join two particles: they may have come near each other by themselves in the
+    // step, they touched in it, or a spring connects them.
     let touching = contacts.touching().map(|contact| contact.indices);
-    let near = overlaps.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
+    let near = contact_pairs.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
     islands.group(&bodies.awake, own, near.copied().chain(touching).chain(tied.clone()));
     islands.find_rests(&bodies.awake, contacts, &boundaries.impulses, tied);
     islands.sum_motions(&bodies.awake, own);
@@ -153,7 +153,8 @@ impl Islands {
     /// The contacts of islands that fall asleep, each with the number of its island, sorted by these.
     fn contacts_of_sleepers(&self, contacts: &Contacts) -> Vec<(u32, Contact)> {
         let lasting = contacts.lasting().filter_map(|contact| {
-            // An immovable particle has no island.
+            // Neither a static particle nor one that stays awake is in a new island. A kinematic
+            // one keeps its island awake.
             let islands = contact.indices.map(|index| self.island_of[index as usize]);
             // `NONE` is the largest number, so the smaller one is an island if there is one.
             let island = islands.into_iter().min().filter(|&island| island != NONE);

@@ -16,7 +16,7 @@ use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
 use crate::world::boundaries::Boundaries;
 use crate::world::distribution::Distribution;
-use crate::world::reach::{FreeReaches, rounding};
+use crate::world::reach::{FreeReaches, ROUNDED_UP, rounding};
 use crate::world::{StepScratch, World};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -35,9 +35,10 @@ pub(crate) fn any_sleeps(bodies: &Bodies, halo: &dyn Distribution) -> bool {
     !bodies.asleep.is_empty() || halo.agreed().is_some_and(|agreed| agreed.any_sleeps)
 }
 
-/// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any process;
-/// lists the islands of these. The bounds are larger, and depend on other particles.
-pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
+/// Lists the islands that moving particles may touch by themselves in `dt` seconds. Returns whether
+/// there are any on any process: all processes must call it. The bounds are larger, and depend on
+/// other particles.
+pub(crate) fn find_touched_on_all(world: &mut World, dt: f32) -> Result<bool> {
     let World { bodies, halo, islands, scratch, settings, .. } = world;
     if !any_sleeps(bodies, &**halo) {
         return Ok(false);
@@ -45,7 +46,9 @@ pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
     let Bodies { awake: Discs { particles, rows, .. }, asleep, .. } = bodies;
     let own = halo.own_rows();
     let free = FreeReaches::new(settings, &scratch.forces, dt);
-    // The radius depends on the particle alone, and not on the speeds of others. Static
+    // Where bounds are made for the whole step, the radius depends on the particle alone, and not
+    // on the speeds of others. Where they end at a horizon it is at most their reach, because the
+    // tree has no larger circles; what gets farther is found at the end of the part. Static
     // particles and ghosts touch nothing here: ghosts are tested by their own ranks.
     let radius = |index: u32| {
         let at = index as usize;
@@ -57,26 +60,27 @@ pub(crate) fn is_near_sleepers(world: &mut World, dt: f32) -> Result<bool> {
     let Islands { join, touched, .. } = islands;
     asleep.touched(&scratch.tree, radius, settings, (join, touched))?;
     let of_others = halo.touch_others(&scratch.tree, &radius, settings, join)?;
-    islands.any_touched(&**halo, of_others)
+    islands.any_touched_on_all(&**halo, of_others)
 }
 
-/// The same at the end of a part of a step, with circles around the particles that have left
-/// their bounds, in the order of time or by position correction.
-pub(crate) fn has_left_bounds_to_sleepers(world: &mut World) -> Result<bool> {
+/// Lists, at the end of a part of a step, the islands that particles may have touched which got beyond
+/// their watched reaches, in the order of time or by position correction. Returns whether there are
+/// any on any process: all processes must call it.
+pub(crate) fn find_touched_beyond_reach_on_all(world: &mut World) -> Result<bool> {
     if !any_sleeps(&world.bodies, &*world.halo) {
         return Ok(false);
     }
     let any_outside = find_circles_beyond_reach(world)?;
     let World { bodies: Bodies { asleep, .. }, halo, islands, settings, .. } = world;
     if !any_outside {
-        return islands.any_touched(&**halo, false);
+        return islands.any_touched_on_all(&**halo, false);
     }
     let Islands { join, touched, tree, .. } = islands;
-    // The tree holds the right circles already, so every overlap counts.
+    // The tree has circles of the right size, so every overlap counts.
     let radius = |_| Some(f32::INFINITY);
     asleep.touched(tree, radius, settings, (join, touched))?;
     let of_others = halo.touch_others(tree, &radius, settings, join)?;
-    islands.any_touched(&**halo, of_others)
+    islands.any_touched_on_all(&**halo, of_others)
 }
 
 /// Builds the tree of circles around the particles of this process that got beyond their watched reaches; returns
@@ -108,12 +112,11 @@ fn find_circles_beyond_reach(world: &mut World) -> Result<bool> {
     columns.centers.extend(beyond_reach.iter().map(|outside| particles.positions[index(outside)]));
     let radii = columns.radii.rows_mut();
     radii.clear();
-    // The distance is rounded to float32; the factor is a reserve for that.
     radii.extend(beyond_reach.iter().map(|outside| {
         let (position, radius) =
             (particles.positions[index(outside)], particles.radii[index(outside)]);
         let rounding = rounding(position, radius, &settings.container);
-        radius + outside.1 as f32 * 1.000_01 + rounding
+        radius + outside.1 as f32 * ROUNDED_UP as f32 + rounding
     }));
     let filters = if particles.filters.is_empty() { &[][..] } else { &beyond_reach[..] };
     let filters = filters.iter().map(|outside| particles.filter(index(outside)));
@@ -124,7 +127,8 @@ fn find_circles_beyond_reach(world: &mut World) -> Result<bool> {
 
 impl Islands {
     /// Whether the attempt would touch any islands of any process: those listed, or some `of_others`.
-    fn any_touched(&self, halo: &dyn Halo, of_others: bool) -> Result<bool> {
+    /// All processes must call it.
+    fn any_touched_on_all(&self, halo: &dyn Halo, of_others: bool) -> Result<bool> {
         // All ranks must repeat the attempt, also those that meet no sleeper.
         halo.any(of_others || !self.touched.is_empty())
     }
@@ -183,7 +187,7 @@ pub(crate) fn wake_all(world: &mut World) {
     forget_woken(world);
 }
 
-/// The same, in a step that may fail.
+/// Wakes all islands in a step, which takes it back if it fails.
 pub(crate) fn wake_every_island(world: &mut World) {
     let all: Vec<u32> = world.bodies.asleep.islands().collect();
     wake(world, &all);

@@ -147,7 +147,7 @@ pub(crate) fn check_wall_impulses(boundaries: &Boundaries, bodies: &Bodies) -> R
     let mut all = boundaries.impulses.iter().chain(&bodies.asleep.sleepers().wall_impulses);
     let is_known =
         |impulse: &WallImpulse| index_of(impulse.wall).is_none_or(|index| (index as usize) < count);
-    ensure(all.all(is_known), "a wall has an impulse on no particle")
+    ensure(all.all(is_known), "a particle has an impulse of no wall")
 }
 
 /// Refuses sleeping particles that move, and islands with contacts of others.
