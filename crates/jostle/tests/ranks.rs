@@ -387,28 +387,3 @@ fn one_rank_has_the_bits_of_one_process_on_two_threads() {
         assert_eq!(found.velocities[index], expected.velocities[id as usize]);
     }
 }
-
-#[test]
-fn the_contact_of_an_island_that_wakes_is_written_whatever_its_ids() {
-    let gravity = [0.0, -9.8];
-    let settings = WorldSettings { gravity, restitution: 0.3, ..WorldSettings::default() };
-    let changed = WorldSettings { drag: 0.1, ..settings };
-    for fixed in [0, 1] {
-        // A disc sleeps on a static one, which belongs to another rank.
-        let mut places = vec![[0.0, 2.0]; 2];
-        places[fixed] = [0.0; 2];
-        let mut all = Particles::new(places, vec![[0.0; 2]; 2], vec![1.0; 2], 1.0);
-        all.movable[fixed] = false;
-        let counts = on_ranks(&all, settings, ranks(2), |_, mut world| {
-            world.step(1.0 / 60.0, 120).unwrap();
-            assert_eq!(ranks::own_particles(&world).unwrap().own, 1);
-            let asleep = ranks::own_kept(&world);
-            world.configure(changed).unwrap();
-            let awake = ranks::own_kept(&world);
-            [&asleep[3], &awake[3], &awake[1]].map(Vec::len)
-        });
-        // A member of an island is two ids, a contact at rest two ids and two impulses.
-        let counts = [0, 1, 2].map(|of| counts[0][of] + counts[1][of]);
-        assert_eq!(counts, [16, 0, 24], "disc {fixed} is static");
-    }
-}
