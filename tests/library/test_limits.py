@@ -182,6 +182,52 @@ print("fine")
 
 
 @linux
+@pytest.mark.parametrize("scene", ["gas", "pile", "springs", "life", "stars"])
+def test_worlds_stay_as_they_were_without_memory(scene: str) -> None:
+    printed = run_child(
+        f"""
+from signals import lift_limit, limit_memory
+world = jostle.scenes.create("{scene}", n=100_000, seed=1)
+other = jostle.World.restore(world.snapshot())
+world.step(1 / 60)
+other.step(1 / 60)
+before, state, ids = world.snapshot(), world.state_hash(), world.ids
+places = world.positions + 1
+calls = [
+    lambda: jostle.World(places, places * 0, radii=0.1),
+    lambda: world.step(1 / 60),
+    lambda: world.add(places, places * 0, radii=0.1),
+    lambda: world.set(ids, positions=places, friction=0.5),
+    lambda: world.snapshot(),
+    lambda: jostle.World.restore(before),
+    lambda: jostle.scenes.create("{scene}", n=100_000),
+]
+refused = 0
+for mebibytes in (2, 3, 4, 6, 8, 12, 16, 24):
+    for call in calls:
+        limit_memory(mebibytes << 20)
+        try:
+            made = call()
+        except MemoryError:
+            refused += 1
+            made = None
+        finally:
+            lift_limit()
+        if made is None and world.state_hash() == state:
+            assert world.snapshot() == before
+        else:
+            # The call had memory enough.
+            world = jostle.World.restore(before)
+world.step(1 / 60)
+other.step(1 / 60)
+assert world.state_hash() == other.state_hash()
+print(refused > 7)
+"""
+    )
+    assert printed == "True\n"
+
+
+@linux
 def test_the_error_names_the_size_of_the_whole_answer() -> None:
     """The size so far, if the whole is not known; the parts of an answer are smaller."""
     printed = run_child(

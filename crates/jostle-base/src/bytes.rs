@@ -7,6 +7,7 @@ use core::ops::Range;
 use std::sync::Arc;
 
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// A value with a fixed number of bytes.
 pub trait Plain: Copy {
@@ -128,7 +129,11 @@ pub trait Saved: Sized {
     }
     /// Reads so many. Memory is not reserved: a damaged count may be very large.
     fn get_each(from: &mut Reader<'_>, count: usize) -> Result<Vec<Self>> {
-        (0..count).map(|_| Self::get(from)).collect()
+        let mut all = Vec::new();
+        for _ in 0..count {
+            memory::push(&mut all, Self::get(from)?)?;
+        }
+        Ok(all)
     }
 }
 
@@ -261,16 +266,43 @@ pub fn foreign(all: u64) -> Error {
 /// Bytes of the header: magic, version, length and checksum.
 pub const HEAD: usize = 28;
 
-/// Writes values, in files after a header with a magic number, the version, the length and a checksum.
+/// Writes values, in files after a header with a magic number, the version, the length and a checksum. If there is no
+/// memory, it writes nothing more, and the end returns the error.
 #[derive(Debug, Default)]
-pub struct Writer(Vec<u8>);
+pub struct Writer {
+    bytes: Vec<u8>,
+    failed: Option<Error>,
+}
 
 impl Writer {
     /// A writer of a file with capacity for `bytes` bytes after the header.
     pub fn with_capacity(bytes: usize) -> Self {
-        let mut all = Vec::with_capacity(HEAD + bytes);
-        all.resize(HEAD, 0);
-        Self(all)
+        let mut all = Self::default();
+        all.reserve(HEAD + bytes);
+        all.grow(HEAD);
+        all
+    }
+
+    /// Writes nothing more: the end returns this error.
+    pub fn fail(&mut self, error: Error) {
+        self.failed = Some(error);
+    }
+
+    fn reserve(&mut self, more: usize) {
+        if self.failed.is_none() {
+            self.failed = memory::reserve(&mut self.bytes, more).err();
+        }
+    }
+
+    /// Appends zeros; returns where they begin, unless there is no memory.
+    #[inline(always)]
+    fn grow(&mut self, more: usize) -> Option<usize> {
+        let start = self.bytes.len();
+        self.reserve(more);
+        self.failed.is_none().then(|| {
+            self.bytes.resize(start + more, 0);
+            start
+        })
     }
 
     /// Appends a value.
@@ -285,63 +317,65 @@ impl Writer {
 
     /// Appends values without their count.
     pub fn put_all<P: Plain>(&mut self, values: &[P]) {
-        let start = self.0.len();
-        self.0.resize(start + values.len() * P::SIZE, 0);
-        let to = self.0[start..].chunks_exact_mut(P::SIZE);
+        let Some(start) = self.grow(values.len() * P::SIZE) else { return };
+        let to = self.bytes[start..].chunks_exact_mut(P::SIZE);
         values.iter().zip(to).for_each(|(value, to)| value.store(to));
     }
 
     /// Appends 1 and the first value if all have the same bytes, otherwise 0 and all values.
     pub fn put_uniform<P: Plain>(&mut self, values: &[P]) {
         self.put(0u8);
-        let start = self.0.len();
+        let start = self.bytes.len();
         self.put_all(values);
+        if self.failed.is_some() {
+            return;
+        }
         // Bytes are compared, not values: -0.0 equals 0.0 and NaN equals nothing, but a snapshot
         // gives back the same bits. The values are written first and cut off afterwards, so that
         // each is converted once.
-        let all = &self.0[start..];
+        let all = &self.bytes[start..];
         if all.chunks_exact(P::SIZE).all(|bytes| bytes == &all[..P::SIZE]) {
-            self.0[start - 1] = 1;
-            self.0.truncate(start + P::SIZE);
+            self.bytes[start - 1] = 1;
+            self.bytes.truncate(start + P::SIZE);
         }
     }
 
     /// Appends the number of values, a bit for each that says whether it differs from the default value, and
     /// those that do; no values, if none does. Bits of numbers are compared: −0 is not 0.
     pub fn put_sparse<P: Plain + Default>(&mut self, values: &[P]) {
-        let begin = self.0.len();
+        let begin = self.bytes.len();
         self.put_count(values.len());
-        let bits = self.0.len();
-        self.0.resize(bits + values.len().div_ceil(8), 0);
+        let Some(bits) = self.grow(values.len().div_ceil(8)) else { return };
         let mut default = Vec::new();
         append(&mut default, P::default());
         for (row, value) in values.iter().enumerate() {
-            let start = self.0.len();
-            self.put(*value);
-            if self.0[start..] == default {
-                self.0.truncate(start);
+            let Some(start) = self.grow(P::SIZE) else { return };
+            value.store(&mut self.bytes[start..]);
+            if self.bytes[start..] == default {
+                self.bytes.truncate(start);
             } else {
-                self.0[bits + row / 8] |= 1 << (row % 8);
+                self.bytes[bits + row / 8] |= 1 << (row % 8);
             }
         }
-        if self.0[bits..].iter().all(|byte| *byte == 0) {
-            self.0.truncate(begin);
+        if self.bytes[bits..].iter().all(|byte| *byte == 0) {
+            self.bytes.truncate(begin);
             self.put_count(0);
         }
     }
 
     /// All bytes, without a header unless there is room for one.
-    pub fn into_bytes(self) -> Vec<u8> {
-        self.0
+    pub fn into_bytes(self) -> Result<Vec<u8>> {
+        self.failed.map_or(Ok(self.bytes), Err)
     }
 
     /// Fills in the header and returns all bytes.
-    pub fn finish(mut self, magic: [u8; 8], version: u32) -> Vec<u8> {
-        let (head, body) = self.0.split_at_mut(HEAD);
+    pub fn finish(self, magic: [u8; 8], version: u32) -> Result<Vec<u8>> {
+        let mut all = self.into_bytes()?;
+        let (head, body) = all.split_at_mut(HEAD);
         magic.store(&mut head[..8]);
         version.store(&mut head[8..12]);
         [body.len() as u64, checksum(body)].store(&mut head[12..]);
-        self.0
+        Ok(all)
     }
 }
 
@@ -399,14 +433,14 @@ impl<'a> Reader<'a> {
     pub fn get_all<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
         // The bytes are checked before memory is allocated for the values.
         let bytes = self.take(count.checked_mul(P::SIZE).ok_or_else(cut_off)?)?;
-        Ok(bytes.chunks_exact(P::SIZE).map(P::load).collect())
+        memory::collect(bytes.chunks_exact(P::SIZE).map(P::load))
     }
 
     /// The next `count` values, which [`Writer::put_uniform`] has written.
     pub fn get_uniform<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
         let is_same: bool = self.get()?;
         // `put_uniform` of no values writes 1 and nothing else: all of none are equal.
-        if is_same && count > 0 { Ok(vec![self.get()?; count]) } else { self.get_all(count) }
+        if is_same && count > 0 { memory::filled(count, self.get()?) } else { self.get_all(count) }
     }
 
     /// The next values that [`Writer::put_sparse`] has written, of a column of `len` rows or of none.
@@ -418,7 +452,8 @@ impl<'a> Reader<'a> {
         }
         let bits = self.take(count.div_ceil(8))?;
         let differs = |row: usize| bits[row / 8] >> (row % 8) & 1 > 0;
-        (0..count).map(|row| if differs(row) { self.get() } else { Ok(P::default()) }).collect()
+        let value = |row| if differs(row) { self.get() } else { Ok(P::default()) };
+        memory::try_collect((0..count).map(value))
     }
 
     /// Whether there are no values left.
@@ -510,7 +545,7 @@ mod tests {
         let all = vec![Shape::Point, Shape::Disc(2.0), Shape::Box { low: [1.0, -0.0], name }];
         let mut to = Writer::default();
         all.put(&mut to);
-        let bytes = to.into_bytes();
+        let bytes = to.into_bytes().unwrap();
         let mut from = Reader::without_head(&bytes);
         assert_eq!(Vec::<Shape>::get(&mut from).unwrap(), all);
         from.close().unwrap();
@@ -525,7 +560,7 @@ mod tests {
         for (values, size) in [(&column[..], 8 + 13 + 8), (&column[4..99], 8), (&[], 8)] {
             let mut to = Writer::default();
             to.put_sparse(values);
-            let bytes = to.into_bytes();
+            let bytes = to.into_bytes().unwrap();
             assert_eq!(bytes.len(), size);
             let read: Vec<f32> = Reader::without_head(&bytes).get_sparse(values.len()).unwrap();
             let bits = |all: &[f32]| all.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();

@@ -3,15 +3,18 @@
 //! Path halving: R. E. Tarjan and J. van Leeuwen, *Worst-case Analysis of Set Union Algorithms*,
 //! Journal of the ACM 31 (1984).
 
+use crate::error::Result;
+use crate::memory;
+
 /// A partition of the integers below a length into disjoint sets.
 #[derive(Debug, Default)]
 pub struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
     /// Makes `len` sets, one for each integer below `len`.
-    pub fn reset(&mut self, len: usize) {
+    pub fn reset(&mut self, len: usize) -> Result<()> {
         self.0.clear();
-        self.0.extend(0..len as u32);
+        memory::extend(&mut self.0, 0..len as u32)
     }
 
     /// The smallest member of the set of `item`.

@@ -1,4 +1,13 @@
 //! Large allocations; a failure is an [`Error::NoMemory`] with the size.
+//!
+//! What grows with the data, with particles, shapes, contacts or pairs, is allocated here, also in threads.
+//! `Vec::push`, `resize` and `extend` abort the process if they must allocate and cannot. So they are for vectors that
+//! have the memory: a stage reserves it when it knows the sizes, and its loops stay as they are. The test `memory` of
+//! the crate `jostle` refuses large allocations of steps and edits in turn.
+//!
+//! These still abort the process: allocations whose size does not grow with the data; lists of the walls near one disc;
+//! the messages between processes of a distributed world; texts of errors. All are small, and [`MARGIN`] leaves memory
+//! for them.
 
 use core::hint::black_box;
 use std::collections::TryReserveError;
@@ -43,6 +52,21 @@ fn grow<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
         values.shrink_to(before);
         no_memory::<V>(&error, len.saturating_add(more))
     })
+}
+
+/// Reserves capacity for `len` values in all.
+#[inline(always)]
+pub fn reserve_len<V>(values: &mut Vec<V>, len: usize) -> Result<()> {
+    reserve(values, len.saturating_sub(values.len()))
+}
+
+/// Reserves capacity for `$len` values in all, in each of some vectors.
+#[macro_export]
+macro_rules! reserve {
+    ($len:expr; $($values:expr),* $(,)?) => {{
+        let len: usize = $len;
+        $($crate::memory::reserve_len(&mut $values, len)?;)*
+    }};
 }
 
 /// The error of an allocation for `len` values.
@@ -92,6 +116,64 @@ pub fn push<V>(values: &mut Vec<V>, value: V) -> Result<()> {
     reserve(values, 1)?;
     values.push(value);
     Ok(())
+}
+
+/// Appends all values of an iterator.
+#[inline]
+pub fn extend<V>(values: &mut Vec<V>, more: impl IntoIterator<Item = V>) -> Result<()> {
+    let more = more.into_iter();
+    reserve(values, more.size_hint().0)?;
+    for value in more {
+        push(values, value)?;
+    }
+    Ok(())
+}
+
+/// Appends a slice.
+#[inline]
+pub fn append<V: Copy>(values: &mut Vec<V>, more: &[V]) -> Result<()> {
+    reserve(values, more.len())?;
+    values.extend_from_slice(more);
+    Ok(())
+}
+
+/// Replaces the contents by those of a slice.
+pub fn assign<V: Copy>(values: &mut Vec<V>, new: &[V]) -> Result<()> {
+    values.clear();
+    append(values, new)
+}
+
+/// Replaces the contents by a copy, in the memory that there is.
+pub fn copy_option<V: Copy>(to: &mut Option<Vec<V>>, from: Option<&[V]>) -> Result<()> {
+    match from {
+        None => *to = None,
+        Some(from) => assign(to.get_or_insert_default(), from)?,
+    }
+    Ok(())
+}
+
+/// A copy of a slice.
+pub fn copy<V: Copy>(values: &[V]) -> Result<Vec<V>> {
+    let mut copy = with_capacity(values.len())?;
+    copy.extend_from_slice(values);
+    Ok(copy)
+}
+
+/// Changes the length to `len`; new values are default values.
+pub fn resize_default<V: Default>(values: &mut Vec<V>, len: usize) -> Result<()> {
+    reserve_len(values, len)?;
+    values.resize_with(len, V::default);
+    Ok(())
+}
+
+/// A vector of all values of an iterator, of which each may be an error.
+pub fn try_collect<V>(values: impl IntoIterator<Item = Result<V>>) -> Result<Vec<V>> {
+    let values = values.into_iter();
+    let mut all = with_capacity(values.size_hint().0)?;
+    for value in values {
+        push(&mut all, value?)?;
+    }
+    Ok(all)
 }
 
 /// A vector of all values of an iterator whose length is known.

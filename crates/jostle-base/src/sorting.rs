@@ -8,6 +8,7 @@ use std::ops::AddAssign;
 
 use crate::error::Result;
 use crate::interrupt::Pulse;
+use crate::memory;
 
 /// Lists of at most this length are sorted by comparison, which takes a few milliseconds.
 const SHORT: usize = 1 << 16;
@@ -57,7 +58,8 @@ pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
     }
     // A list of open parts instead of recursion, each level of which would keep the 256 ends of its
     // parts on the stack.
-    let mut open = vec![(items, 0)];
+    let mut open = memory::with_capacity(1)?;
+    open.push((items, 0));
     while let Some((items, at)) = open.pop() {
         // A long part polls in `partition`; a short one is sorted by one call of the library, which
         // cannot be interrupted. `SHORT` limits that call to a few milliseconds.
@@ -73,7 +75,7 @@ pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
                 let (first, tail) = rest.split_at_mut(end - start);
                 (rest, start) = (tail, end);
                 if first.len() > 1 {
-                    open.push((first, at + 1));
+                    memory::push(&mut open, (first, at + 1))?;
                 }
             }
         }

@@ -7,12 +7,25 @@
 
 use crate::bytes::{Plain, Reader, Saved, Writer};
 use crate::error::{Error, Result};
+use crate::memory;
 
 /// Operations on all columns of a table. `len` is the number of rows before the operation, which a sparse
-/// column does not know.
-pub trait Table {
+/// column does not know. After [`Table::reserve`] the others do not allocate.
+pub trait Table: Default {
     /// Bytes of the values of a row.
     const ROW_SIZE: usize;
+    /// Reserves memory for `len` rows in all. Sparse columns are left out if they are empty, also in `other`, from
+    /// which rows will come.
+    fn reserve(&mut self, other: &Self, len: usize) -> Result<()>;
+    /// A copy.
+    fn copied(&self) -> Result<Self>;
+    /// The rows `order`, in that order.
+    fn gathered(&self, order: &[u32]) -> Result<Self> {
+        let mut all = Self::default();
+        all.reserve(self, order.len())?;
+        all.gather(self, order, Some(1));
+        Ok(all)
+    }
     /// Replaces the contents by the rows `order` of `source`, in that order.
     fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>);
     /// Appends the rows of `other`, of which there are `added`.
@@ -154,12 +167,23 @@ pub fn sparse_value<V: Copy + Default>(column: &[V], row: usize) -> V {
 /// Columns with a value for each row.
 pub mod dense {
     use super::Kind;
-    use crate::parallel;
+    use crate::error::Result;
+    use crate::{memory, parallel};
 
     /// The type of a column.
     pub type Column<V> = Vec<V>;
     /// This kind.
     pub const KIND: Kind = Kind::Dense;
+
+    /// See [`Table::reserve`](super::Table::reserve).
+    pub fn reserve<V>(column: &mut Vec<V>, _other: &[V], len: usize) -> Result<()> {
+        memory::reserve_len(column, len)
+    }
+
+    /// See [`Table::copied`](super::Table::copied).
+    pub fn copied<V: Copy>(column: &[V]) -> Result<Vec<V>> {
+        memory::copy(column)
+    }
 
     /// See [`Table::gather`](super::Table::gather).
     pub fn gather<V: Copy + Default + Send + Sync>(
@@ -224,12 +248,19 @@ pub mod uniform {
 
 /// Columns that are empty if all rows have the default value.
 pub mod sparse {
-    use super::{Kind, dense, sparse_value};
+    use super::{Kind, dense, memory, sparse_value};
+    use crate::error::Result;
 
     /// The type of a column.
     pub type Column<V> = Vec<V>;
     /// This kind.
     pub const KIND: Kind = Kind::Sparse;
+
+    /// See [`Table::reserve`](super::Table::reserve).
+    pub fn reserve<V>(column: &mut Vec<V>, other: &[V], len: usize) -> Result<()> {
+        let is_used = !(column.is_empty() && other.is_empty());
+        memory::reserve_len(column, if is_used { len } else { 0 })
+    }
 
     /// See [`Table::gather`](super::Table::gather).
     pub fn gather<V: Copy + Default + Send + Sync>(
@@ -277,7 +308,7 @@ pub mod sparse {
         column[row] = value;
     }
 
-    pub use super::dense::keep;
+    pub use super::dense::{copied, keep};
 
     /// See [`Table::move_row`](super::Table::move_row).
     pub fn move_row<V: Copy>(column: &mut [V], from: usize, to: usize) {
@@ -337,9 +368,20 @@ pub mod sparse {
 /// Tables in tables.
 pub mod nested {
     pub use super::Table;
+    use crate::error::Result;
 
     /// The type of a column.
     pub type Column<T> = T;
+
+    /// See [`Table::reserve`].
+    pub fn reserve<T: Table>(column: &mut T, other: &T, len: usize) -> Result<()> {
+        column.reserve(other, len)
+    }
+
+    /// See [`Table::copied`].
+    pub fn copied<T: Table>(column: &T) -> Result<T> {
+        column.copied()
+    }
 
     /// See [`Table::gather`].
     pub fn gather<T: Table>(column: &mut T, source: &T, order: &[u32], threads: Option<usize>) {
@@ -397,6 +439,15 @@ macro_rules! table {
 
         impl $crate::table::Table for $name {
             const ROW_SIZE: usize = 0 $(+ $crate::table!(@size $kind $type))*;
+
+            fn reserve(&mut self, other: &Self, len: usize) -> $crate::error::Result<()> {
+                $($crate::table::$kind::reserve(&mut self.$field, &other.$field, len)?;)*
+                Ok(())
+            }
+
+            fn copied(&self) -> $crate::error::Result<Self> {
+                Ok(Self { $($field: $crate::table::$kind::copied(&self.$field)?,)* })
+            }
 
             fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
                 $($crate::table::$kind::gather(&mut self.$field, &source.$field, order, threads);)*

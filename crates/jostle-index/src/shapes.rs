@@ -3,6 +3,7 @@
 use crate::geometry::{Scalar, Shape, middle};
 use crate::period::Period;
 use jostle_base::error::{Error, Result};
+use jostle_base::memory;
 use jostle_base::plain;
 
 /// The category of a shape without one.
@@ -192,7 +193,7 @@ impl<T: Scalar> Shapes<T> {
         filters: Option<[Each<u32>; 2]>,
     ) -> Result<Self> {
         check_boxes("boxes", &boxes)?;
-        let centers = boxes.iter().map(middle_of).collect();
+        let centers = memory::collect(boxes.iter().map(middle_of))?;
         let period = Period::default();
         let (half_sizes, boxes) = (None, Some(boxes));
         let shapes = Self { centers, radii, half_sizes, boxes, filters, period };
@@ -352,19 +353,21 @@ impl<T: Scalar> Shapes<T> {
 pub fn fill_filters(
     filters: impl ExactSizeIterator<Item = Filter>,
     columns: &mut Option<[Each<u32>; 2]>,
-) {
+) -> Result<()> {
     if filters.len() == 0 {
         *columns = None;
-        return;
+        return Ok(());
     }
     let [categories, masks] = columns.get_or_insert_default();
     let (categories, masks) = (categories.rows_mut(), masks.rows_mut());
     categories.clear();
     masks.clear();
+    jostle_base::reserve!(filters.len(); *categories, *masks);
     for Filter { category, mask } in filters {
         categories.push(category);
         masks.push(mask);
     }
+    Ok(())
 }
 
 /// Half of the distance of a search for shapes near each other, by which the radius of each is

@@ -1,6 +1,6 @@
 //! Columns of particles as arguments of a world.
 
-use jostle_base::Error;
+use jostle_base::{Error, memory};
 use jostle_index::{Each, Filter};
 use jostle_world::particles::MASS_RANGE;
 use jostle_world::{Changes, Defaults, Particles};
@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::arrays::{Argument, Maybe, reals};
+use crate::error::refused;
 
 /// Copied columns of new particles with checked shapes; the values are not checked yet.
 #[derive(Default)]
@@ -95,7 +96,9 @@ values! {
     [f32; 2]: |name, value, len| Ok(Each::Rows(Argument::reals(name, value)?.pairs(len)?)),
     f64: |name, value, len| Ok(match f32::read_each(name, value, len)? {
         Each::One(one) => Each::One(one.into()),
-        Each::Rows(all) => Each::Rows(all.into_iter().map(f64::from).collect()),
+        Each::Rows(all) => {
+            Each::Rows(memory::collect(all.into_iter().map(f64::from)).map_err(refused)?)
+        }
     }),
 }
 
@@ -171,14 +174,15 @@ impl Draft {
         if densities.is_none() {
             columns.masses = columns.masses.or(defaults.mass.map(Each::One));
         }
-        let blank = vec![[0.0; 2]; len];
-        let mut particles = Particles::new(blank.clone(), blank, vec![0.0; len], 1.0);
-        let rows: Vec<u32> = (0..len as u32).collect();
-        columns.write(&mut particles, &rows);
+        let blank = || memory::filled(len, [0.0; 2]);
+        let radii = memory::filled(len, 0.0)?;
+        let mut particles = Particles::try_new(blank()?, blank()?, radii, 1.0)?;
+        columns.reserve(&mut particles, len)?;
+        columns.write(&mut particles, &memory::collect(0..len as u32)?);
         if columns.masses.is_none() {
-            let densities = densities.unwrap_or(Each::One(defaults.density)).rows(len);
-            let pairs = particles.radii.iter().zip(densities);
-            particles.masses = pairs.map(|(r, density)| density * r * r).collect();
+            let densities = densities.unwrap_or(Each::One(defaults.density));
+            let pairs = particles.masses.iter_mut().zip(&particles.radii).enumerate();
+            pairs.for_each(|(row, (mass, r))| *mass = densities.at(row) * r * r);
             check_own_masses(&particles)?;
         }
         Ok(particles)

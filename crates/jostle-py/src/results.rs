@@ -1,10 +1,10 @@
 //! Results of several arrays, as named tuples of `jostle.results`.
 
 use jostle_base::interrupt::Pulse;
-use jostle_base::{Id, memory};
+use jostle_base::memory;
+use jostle_index::Scalar;
 use jostle_index::pairs::Overlaps;
 use jostle_index::query::{Hits, Neighbors, RayHits};
-use jostle_index::{Filter, Scalar};
 use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
 use jostle_world::{Collisions, Particles, Spin, Touch, TouchEvents, WallTouch};
@@ -33,30 +33,32 @@ where
 /// `jostle.WorldContacts`.
 pub fn world_contacts(py: Python<'_>, all: Vec<Touch>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let pairs = detached(py, || {
-        let pairs: Vec<[Id; 2]> = all.iter().map(|touch| touch.pair).collect();
-        long(&pairs)
-    })?;
+    let pairs = detached(py, || long(&memory::collect(all.iter().map(|touch| touch.pair))?))?;
     let fields = (
         table(py, pairs.map_err(refused)?)?,
-        table(py, all.iter().map(|touch| touch.normal).collect())?,
-        column(py, all.iter().map(|touch| touch.depth).collect()),
-        column(py, all.iter().map(|touch| touch.normal_impulse).collect()),
-        column(py, all.iter().map(|touch| touch.friction_impulse).collect()),
+        table(py, listed(all.iter().map(|touch| touch.normal))?)?,
+        column(py, listed(all.iter().map(|touch| touch.depth))?),
+        column(py, listed(all.iter().map(|touch| touch.normal_impulse))?),
+        column(py, listed(all.iter().map(|touch| touch.friction_impulse))?),
     );
     CONTACTS.import(py, "jostle.results", "WorldContacts")?.call1(fields)
+}
+
+/// All values of an iterator.
+fn listed<V>(values: impl ExactSizeIterator<Item = V>) -> PyResult<Vec<V>> {
+    memory::collect(values).map_err(refused)
 }
 
 /// `jostle.WallContacts`.
 pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, PyAny>> {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (
-        column(py, all.iter().map(|touch| touch.id).collect()),
-        column(py, all.iter().map(|touch| i64::from(touch.wall)).collect()),
-        table(py, all.iter().map(|touch| touch.normal).collect())?,
-        column(py, all.iter().map(|touch| touch.depth).collect()),
-        column(py, all.iter().map(|touch| touch.normal_impulse).collect()),
-        column(py, all.iter().map(|touch| touch.friction_impulse).collect()),
+        column(py, listed(all.iter().map(|touch| touch.id))?),
+        column(py, listed(all.iter().map(|touch| i64::from(touch.wall)))?),
+        table(py, listed(all.iter().map(|touch| touch.normal))?)?,
+        column(py, listed(all.iter().map(|touch| touch.depth))?),
+        column(py, listed(all.iter().map(|touch| touch.normal_impulse))?),
+        column(py, listed(all.iter().map(|touch| touch.friction_impulse))?),
     );
     CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
 }
@@ -65,10 +67,10 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
 pub fn world_particles(py: Python<'_>, all: Particles, single: bool) -> PyResult<Bound<'_, PyAny>> {
     static CLASSES: [PyOnceLock<Py<PyAny>>; 2] = [PyOnceLock::new(), PyOnceLock::new()];
     let rows = 0..all.len();
-    let spins: Vec<Spin> = rows.clone().map(|row| all.spin(row)).collect();
-    let filters: Vec<Filter> = rows.clone().map(|row| all.filter(row)).collect();
-    let sensors: Vec<bool> = rows.clone().map(|row| all.is_sensor(row)).collect();
-    let kinds: Vec<u8> = rows.map(|row| all.kind(row)).collect();
+    let spins = listed(rows.clone().map(|row| all.spin(row)))?;
+    let filters = listed(rows.clone().map(|row| all.filter(row)))?;
+    let sensors = listed(rows.clone().map(|row| all.is_sensor(row)))?;
+    let kinds = listed(rows.map(|row| all.kind(row)))?;
     let fields = [
         field(py, all.positions, single)?,
         field(py, all.velocities, single)?,
@@ -76,11 +78,11 @@ pub fn world_particles(py: Python<'_>, all: Particles, single: bool) -> PyResult
         field(py, all.masses, single)?,
         field(py, all.restitutions, single)?,
         field(py, all.movable, single)?,
-        field(py, spins.iter().map(|spin| spin.friction).collect(), single)?,
-        field(py, spins.iter().map(Spin::rounded_angle).collect(), single)?,
-        field(py, spins.iter().map(|spin| spin.velocity).collect(), single)?,
-        field(py, filters.iter().map(|filter| filter.category).collect(), single)?,
-        field(py, filters.iter().map(|filter| filter.mask).collect(), single)?,
+        field(py, listed(spins.iter().map(|spin| spin.friction))?, single)?,
+        field(py, listed(spins.iter().map(Spin::rounded_angle))?, single)?,
+        field(py, listed(spins.iter().map(|spin| spin.velocity))?, single)?,
+        field(py, listed(filters.iter().map(|filter| filter.category))?, single)?,
+        field(py, listed(filters.iter().map(|filter| filter.mask))?, single)?,
         field(py, sensors, single)?,
         field(py, kinds, single)?,
     ];

@@ -1,6 +1,6 @@
 //! The walls of a world as arrays.
 
-use jostle_base::Error;
+use jostle_base::{Error, memory};
 use jostle_index::Each;
 use jostle_world::Wall;
 use numpy::{PyArray1, PyArray2, PyArray3};
@@ -13,7 +13,7 @@ use crate::error::refused;
 pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let ends = Argument::reals("walls", value)?.segments()?;
-    Ok(ends.into_iter().map(Wall::new).collect())
+    memory::collect(ends.into_iter().map(Wall::new)).map_err(refused)
 }
 
 /// Sets the velocities: one vector for all walls or one for each; None is 0.

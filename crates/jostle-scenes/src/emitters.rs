@@ -8,6 +8,7 @@ use super::random::Random;
 use super::scene::checked;
 use super::start::{Start, boxed};
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
@@ -93,10 +94,10 @@ pub(crate) fn view(n: usize) -> Area {
 }
 
 /// Static discs of the fountain, then the first drops, oldest first.
-pub(crate) fn fountain(n: usize, random: &mut Random) -> Start {
+pub(crate) fn fountain(n: usize, random: &mut Random) -> Result<Start> {
     let scale = scale(n);
-    let mut particles = immovable(beads(scale), BEAD);
-    particles.extend(&first_drops(n, random));
+    let mut particles = immovable(beads(scale)?, BEAD)?;
+    particles.try_extend(&first_drops(n, random)?)?;
     let [min_x, min_y, max_x, max_y] = view(n);
     let settings = WorldSettings {
         gravity: [0.0, GRAVITY],
@@ -104,10 +105,10 @@ pub(crate) fn fountain(n: usize, random: &mut Random) -> Start {
         // Drops may rise above the view.
         ..boxed([min_x, 2.0 * min_y, max_x, max_y])
     };
-    Start::new(particles, settings)
+    Ok(Start::new(particles, settings))
 }
 
-fn beads(scale: f32) -> Vec<[f32; 2]> {
+fn beads(scale: f32) -> Result<Vec<[f32; 2]>> {
     let scaled = |line: &[[f32; 2]]| -> Vec<[f32; 2]> {
         line.iter().map(|corner| corner.map(|v| v * scale)).collect()
     };
@@ -118,20 +119,24 @@ fn beads(scale: f32) -> Vec<[f32; 2]> {
         let line = scaled(line);
         [mirrored(&line), line]
     });
-    both.flat_map(|line| walls(&line, BEAD)).collect()
+    let mut all = Vec::new();
+    for line in both {
+        memory::append(&mut all, &walls(&line, BEAD)?)?;
+    }
+    Ok(all)
 }
 
 /// The drops that were emitted in the last [`FLOWN`] seconds.
-fn first_drops(n: usize, random: &mut Random) -> Particles {
+fn first_drops(n: usize, random: &mut Random) -> Result<Particles> {
     let emitters = all(n);
     let rate: f32 = emitters.iter().map(|emitter| emitter.drops_per_second).sum();
     let count = ((FLOWN * scale(n).sqrt() * rate) as usize).min(n);
     let mut drops = Particles::default();
     for number in (0..count).rev() {
         let emitter = &emitters[number % emitters.len()];
-        drops.extend(&emitter.drop((number as f32 + 1.0) / rate, random));
+        drops.try_extend(&emitter.drop((number as f32 + 1.0) / rate, random))?;
     }
-    drops
+    Ok(drops)
 }
 
 impl Emitter {

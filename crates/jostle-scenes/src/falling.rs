@@ -5,6 +5,8 @@ use std::ops::Range;
 use super::placing::{Area, kept, lattice_places, scatter};
 use super::random::Random;
 use super::start::{Start, area_of, boxed};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
@@ -22,12 +24,12 @@ pub(crate) fn article_view(n: usize) -> Area {
 }
 
 /// The article's particles, converted to pixels and seconds.
-pub(crate) fn article(n: usize, random: &mut Random) -> Start {
+pub(crate) fn article(n: usize, random: &mut Random) -> Result<Start> {
     let area = article_view(n);
-    let radii: Vec<f32> = (0..n).map(|_| random.whole(5, 10)).collect();
-    let places = scatter(&radii, area, random);
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * FRAMES)).collect();
-    let mut particles = Particles::new(places, velocities, radii, 1.0);
+    let radii: Vec<f32> = memory::collect((0..n).map(|_| random.whole(5, 10)))?;
+    let places = scatter(&radii, area, random)?;
+    let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * FRAMES)))?;
+    let mut particles = Particles::try_new(places, velocities, radii, 1.0)?;
     // After the radii and velocities: random numbers are drawn in this order, and a hash of the
     // state is pinned.
     particles.masses.iter_mut().for_each(|mass| *mass *= random.whole(1, 20));
@@ -38,7 +40,7 @@ pub(crate) fn article(n: usize, random: &mut Random) -> Start {
         restitution: 0.75,
         ..boxed(area)
     };
-    Start::new(particles, settings)
+    Ok(Start::new(particles, settings))
 }
 
 const PILE_RADII: [f32; 2] = [5.0, 10.0];
@@ -51,7 +53,7 @@ pub(crate) fn pile_view(n: usize) -> Area {
     [0.0, 0.0, pile_width(n), pile_width(n) * 0.75]
 }
 
-pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Start {
+pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Result<Start> {
     let [_, _, width, height] = pile_view(n);
     // More than two of the largest radius, so that the displacement by `lattice` makes no overlaps.
     let spacing = 2.2 * PILE_RADII[1];
@@ -60,13 +62,13 @@ pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> St
     let columns = (width / spacing).floor().max(1.0);
     let rows = (n as f32 / columns).ceil();
     let fill = [0.0, height - rows * spacing, columns * spacing, height];
-    let places = kept(&kept_rows, lattice_places(n, fill, 0.05 * spacing, random));
+    let places = kept(&kept_rows, lattice_places(n, fill, 0.05 * spacing, random))?;
     let radius = |_| random.between(PILE_RADII[0], PILE_RADII[1]);
-    let radii = kept(&kept_rows, (0..n).map(radius));
-    let velocities = kept(&kept_rows, (0..n).map(|_| random.in_disc().map(|v| v * 40.0)));
+    let radii = kept(&kept_rows, (0..n).map(radius))?;
+    let velocities = kept(&kept_rows, (0..n).map(|_| random.in_disc().map(|v| v * 40.0)))?;
     let walls = [0.0, fill[1].min(0.0) - height, width, height];
     let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.2, ..boxed(walls) };
-    Start::new(Particles::new(places, velocities, radii, 1.0), settings)
+    Ok(Start::new(Particles::try_new(places, velocities, radii, 1.0)?, settings))
 }
 
 const RAIN_RADII: [f32; 2] = [3.0, 6.0];
@@ -79,16 +81,17 @@ pub(crate) fn rain_view(n: usize) -> Area {
     [0.0, 0.0, width, width * 0.625]
 }
 
-pub(crate) fn rain(n: usize, random: &mut Random) -> Start {
+pub(crate) fn rain(n: usize, random: &mut Random) -> Result<Start> {
     let [_, _, width, height] = rain_view(n);
     let middle = (RAIN_RADII[0] + RAIN_RADII[1]) / 2.0;
     // The height at which the drops cover the chosen fraction of the width times the height.
     let sky = n as f32 * area_of(middle) / (RAIN_COVERAGE * width) + 4.0 * RAIN_RADII[1];
-    let radii: Vec<f32> = (0..n).map(|_| random.between(RAIN_RADII[0], RAIN_RADII[1])).collect();
+    let radii: Vec<f32> =
+        memory::collect((0..n).map(|_| random.between(RAIN_RADII[0], RAIN_RADII[1])))?;
     // The lowest drops start at half of the height.
     let clouds = [0.0, height * 0.5 - sky, width, height * 0.5];
-    let places = scatter(&radii, clouds, random);
-    let velocities = vec![[0.0, 200.0]; n];
+    let places = scatter(&radii, clouds, random)?;
+    let velocities = memory::filled(n, [0.0, 200.0])?;
     // The terminal velocity is 600 px/s.
     let settings = WorldSettings {
         gravity: [0.0, 900.0],
@@ -96,5 +99,5 @@ pub(crate) fn rain(n: usize, random: &mut Random) -> Start {
         restitution: 0.3,
         ..boxed([0.0, clouds[1], width, height])
     };
-    Start::new(Particles::new(places, velocities, radii, 1.0), settings)
+    Ok(Start::new(Particles::try_new(places, velocities, radii, 1.0)?, settings))
 }

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::placing::Area;
 use super::random::Random;
 use super::start::Start;
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::container::Container;
 use jostle_world::forces::{Influence, PairForce, PairTable};
 use jostle_world::particles::Particles;
@@ -44,14 +46,14 @@ pub(crate) fn fluid_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
+pub(crate) fn fluid(n: usize, random: &mut Random) -> Result<Start> {
     let (radius, side) = (droplet(n), ROOM * droplet(n));
-    let (mut places, mut velocities) = (Vec::with_capacity(n), Vec::with_capacity(n));
+    let (mut places, mut velocities) = (memory::with_capacity(n)?, memory::with_capacity(n)?);
     for (count, direction) in [(n / 2, 1.0), (n - n / 2, -1.0)] {
         // With the default number further apart than the cutoff, and beside each other's line, so
         // that the merged droplet turns.
         let center = [-1.3 * radius * direction, -0.5 * OFFSET * radius * direction];
-        for site in hexagonal(count) {
+        for site in hexagonal(count)? {
             places.push([0, 1].map(|k| 0.5 * side + center[k] + site[k]));
             // The variance of a component is a quarter of the squared radius of the disc.
             // A uniform disc, not Maxwell's distribution, which needs a logarithm; collisions soon
@@ -60,8 +62,9 @@ pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
             velocities.push([heat[0] + direction * SPEED * EPSILON.sqrt(), heat[1]]);
         }
     }
-    let mut particles = Particles::new(places, velocities, vec![0.5 * SIGMA; n], 1.0);
-    particles.masses = vec![1.0; n];
+    let mut particles =
+        Particles::try_new(places, velocities, memory::filled(n, 0.5 * SIGMA)?, 1.0)?;
+    particles.masses = memory::filled(n, 1.0)?;
     let settings = WorldSettings {
         container: Container::Torus { size: [side, side] },
         on_touch: OnTouch::Ignore,
@@ -70,11 +73,11 @@ pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
     };
     let table = PairTable::lennard_jones(1, &[EPSILON], &[SIGMA], CUTOFF * SIGMA);
     let table = Arc::new(table.expect("the numbers are valid"));
-    Start::new(particles, settings).with(Influence::Pair(PairForce { table }))
+    Ok(Start::new(particles, settings).with(Influence::Pair(PairForce { table })))
 }
 
 /// The sites of a hexagonal lattice that are nearest to its centre.
-fn hexagonal(count: usize) -> Vec<[f32; 2]> {
+fn hexagonal(count: usize) -> Result<Vec<[f32; 2]>> {
     // More rows than a disc of so many sites has.
     // A hexagonal lattice of distance 1 has about 2π / √3 · r² sites within r, so this is enough in
     // each direction.
@@ -85,10 +88,15 @@ fn hexagonal(count: usize) -> Vec<[f32; 2]> {
         [step * (column as f32 + shift), step * 0.866_025_4 * row as f32]
     };
     let sites = (-half..=half).flat_map(|row| (-half..=half).map(move |at| site(row, at)));
-    let mut sites: Vec<[f32; 2]> = sites.collect();
+    let mut all: Vec<[f32; 2]> = Vec::new();
+    memory::extend(&mut all, sites)?;
+    let mut sites = all;
     let square = |[x, y]: &[f32; 2]| x * x + y * y;
-    // Stable, so sites at one distance keep the order of rows, on each machine.
-    sites.sort_by(|a, b| square(a).total_cmp(&square(b)));
+    // Sites at one distance keep the order of rows, on each machine.
+    sites.sort_unstable_by(|a, b| {
+        let of_place = |k: usize| a[k].total_cmp(&b[k]);
+        square(a).total_cmp(&square(b)).then_with(|| of_place(1)).then_with(|| of_place(0))
+    });
     sites.truncate(count);
-    sites
+    Ok(sites)
 }

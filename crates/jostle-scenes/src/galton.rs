@@ -5,6 +5,7 @@ use super::random::Random;
 use super::scene::checked;
 use super::start::{Start, area_of, boxed};
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
@@ -88,10 +89,10 @@ pub(crate) fn galton_view(n: usize) -> Area {
 }
 
 /// The pegs, then `n` balls.
-pub(crate) fn galton(n: usize, random: &mut Random) -> Start {
+pub(crate) fn galton(n: usize, random: &mut Random) -> Result<Start> {
     let board = board(n);
     let [min_x, min_y, max_x, floor] = galton_view(n);
-    let mut particles = immovable(pegs(board.rows), (PITCH - GAP * board.ball_radius) / 2.0);
+    let mut particles = immovable(pegs(board.rows), (PITCH - GAP * board.ball_radius) / 2.0)?;
     let inner = &board.bin_edges[1..=board.rows];
     let bins = inner.iter().map(|&x| [[x, board.bin_top], [x, floor]]);
     let radius = board.ball_radius;
@@ -105,7 +106,12 @@ pub(crate) fn galton(n: usize, random: &mut Random) -> Start {
         .map(|k| [random.between(-deviation, deviation), -2.0 * ROW - k as f32 * step])
         .collect();
     let top = places.last().map_or(min_y, |last| last[1].min(min_y)) - 2.0 * radius;
-    particles.extend(&Particles::new(places, vec![[0.0, FALL]; n], vec![radius; n], 1.0));
+    particles.try_extend(&Particles::try_new(
+        places,
+        memory::filled(n, [0.0, FALL])?,
+        memory::filled(n, radius)?,
+        1.0,
+    )?)?;
     let settings = WorldSettings {
         gravity: [0.0, GRAVITY],
         drag: DRAG,
@@ -113,7 +119,7 @@ pub(crate) fn galton(n: usize, random: &mut Random) -> Start {
         ..boxed([min_x, top, max_x, floor])
     };
     let start = bins.fold(Start::new(particles, settings), |start, bin| start.walled(&bin));
-    funnel.iter().fold(start, |start, side| start.walled(side))
+    Ok(funnel.iter().fold(start, |start, side| start.walled(side)))
 }
 
 /// Rows of pegs, each offset by half a distance from the row before; the first row has a peg at x =

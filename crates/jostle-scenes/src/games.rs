@@ -3,6 +3,8 @@
 use super::placing::{Area, lattice, lattice_where};
 use super::random::Random;
 use super::start::{Start, area_of, boxed, side_for};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::container::Container;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
@@ -20,26 +22,27 @@ pub(crate) fn shots_view(n: usize) -> Area {
 }
 
 /// `n` particles in all; every fifth is an immovable peg.
-pub(crate) fn shots(n: usize, random: &mut Random) -> Start {
+pub(crate) fn shots(n: usize, random: &mut Random) -> Result<Start> {
     let area = shots_view(n);
     let pegs = n / (SHOTS_PER_PEG + 1);
-    let peg_places = lattice(pegs, area, 0.0, random);
+    let peg_places = lattice(pegs, area, 0.0, random)?;
     // The distance of the pegs' columns, as `lattice` computes it, so that shots start between
     // them.
     let spacing = area[2] / (pegs as f32).sqrt().ceil().max(1.0);
     let count = n - pegs;
     // Shots start in the gaps between the pegs' columns.
-    let shot_places = lattice(count, area, 0.0, random).into_iter().map(|[x, y]| {
+    let shot_places = lattice(count, area, 0.0, random)?.into_iter().map(|[x, y]| {
         let column = (x / spacing).round() * spacing;
         [column.clamp(SHOT_RADIUS, area[2] - SHOT_RADIUS), y]
     });
-    let places: Vec<[f32; 2]> = peg_places.into_iter().chain(shot_places).collect();
-    let mut velocities = vec![[0.0; 2]; pegs];
-    velocities.extend((0..count).map(|_| random.in_disc().map(|v| v * 3000.0)));
-    let radii = (0..n).map(|i| if i < pegs { PEG_RADIUS } else { SHOT_RADIUS }).collect();
-    let mut particles = Particles::new(places, velocities, radii, 1.0);
+    let mut places: Vec<[f32; 2]> = peg_places;
+    memory::extend(&mut places, shot_places)?;
+    let mut velocities = memory::filled(pegs, [0.0; 2])?;
+    memory::extend(&mut velocities, (0..count).map(|_| random.in_disc().map(|v| v * 3000.0)))?;
+    let radii = memory::collect((0..n).map(|i| if i < pegs { PEG_RADIUS } else { SHOT_RADIUS }))?;
+    let mut particles = Particles::try_new(places, velocities, radii, 1.0)?;
     particles.movable[..pegs].fill(false);
-    Start::new(particles, boxed(area))
+    Ok(Start::new(particles, boxed(area)))
 }
 
 const BALL_RADIUS: f32 = 10.0;
@@ -62,7 +65,7 @@ pub(crate) fn billiards_view(n: usize) -> Area {
     [0.0, 0.0, 2.0 * height, height]
 }
 
-pub(crate) fn billiards(n: usize, random: &mut Random) -> Start {
+pub(crate) fn billiards(n: usize, random: &mut Random) -> Result<Start> {
     let area = billiards_view(n);
     let [width, height] = [area[2], area[3]];
     // Small gaps, so that the balls do not overlap at the beginning.
@@ -71,27 +74,26 @@ pub(crate) fn billiards(n: usize, random: &mut Random) -> Start {
     let pitch = 2.0 * BALL_RADIUS * 1.002;
     let rack = (0..).flat_map(|row| (0..=row).map(move |ball| (row, ball)));
     let depth = pitch * 3f32.sqrt() / 2.0;
-    let mut places: Vec<[f32; 2]> = rack
-        .take(n.saturating_sub(1))
-        .map(|(row, ball)| {
-            let across = ball as f32 - row as f32 / 2.0;
-            [width * 0.6 + row as f32 * depth, height / 2.0 + across * pitch]
-        })
-        .collect();
-    let mut velocities = vec![[0.0; 2]; places.len()];
+    let (mut places, mut velocities) = (memory::with_capacity(n)?, memory::with_capacity(n)?);
     if n > 0 {
         // Slightly off the axis, so that the break is not symmetric.
-        places.insert(0, [width * 0.2, height / 2.0 + random.between(-1.0, 1.0)]);
-        velocities.insert(0, [CUE_SPEED, 0.0]);
+        places.push([width * 0.2, height / 2.0 + random.between(-1.0, 1.0)]);
+        velocities.push([CUE_SPEED, 0.0]);
     }
-    let mut particles = Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0);
-    for (ball, spin) in particles.spins_mut().iter_mut().enumerate() {
+    places.extend(rack.take(n.saturating_sub(1)).map(|(row, ball)| {
+        let across = ball as f32 - row as f32 / 2.0;
+        [width * 0.6 + row as f32 * depth, height / 2.0 + across * pitch]
+    }));
+    velocities.resize(n, [0.0; 2]);
+    let mut particles =
+        Particles::try_new(places, velocities, memory::filled(n, BALL_RADIUS)?, 1.0)?;
+    for (ball, spin) in particles.try_spins_mut()?.iter_mut().enumerate() {
         spin.friction = BALL_FRICTION;
         // Side spin: friction passes it on to the balls that are hit.
         spin.velocity = if ball == 0 { CUE_SPIN } else { 0.0 };
     }
     let settings = WorldSettings { drag: 0.25, restitution: 0.95, ..boxed(area) };
-    Start::new(particles, settings)
+    Ok(Start::new(particles, settings))
 }
 
 const ORBIT_RADIUS: f32 = 4.0;
@@ -106,26 +108,26 @@ pub(crate) fn orbit_view(n: usize) -> Area {
     [-radius, -radius, radius, radius]
 }
 
-pub(crate) fn orbit(n: usize, random: &mut Random) -> Start {
+pub(crate) fn orbit(n: usize, random: &mut Random) -> Result<Start> {
     let radius = orbit_radius(n);
     let square = orbit_view(n);
     let limit = radius - ORBIT_RADIUS;
     let is_inside = |p: &[f32; 2]| p[0] * p[0] + p[1] * p[1] < limit * limit;
-    let inside = lattice_where(n, square, 0.0, random, is_inside);
+    let inside = lattice_where(n, square, 0.0, random, is_inside)?;
     // All move about the centre with random deviations; the speed at the rim does not depend on the
     // size.
     // An angular velocity, so that the speed at the rim is 240 px/s in each size.
     let turn = 240.0 / radius;
-    let velocities = inside
-        .iter()
-        .map(|&[x, y]| {
-            let [u, v] = random.in_disc().map(|v| v * 0.1 * turn * radius);
-            [-turn * y + u, turn * x + v]
-        })
-        .collect();
+    let velocities = memory::collect(inside.iter().map(|&[x, y]| {
+        let [u, v] = random.in_disc().map(|v| v * 0.1 * turn * radius);
+        [-turn * y + u, turn * x + v]
+    }))?;
     let settings = WorldSettings {
         container: Container::Circle { center: [0.0; 2], radius },
         ..WorldSettings::default()
     };
-    Start::new(Particles::new(inside, velocities, vec![ORBIT_RADIUS; n], 1.0), settings)
+    Ok(Start::new(
+        Particles::try_new(inside, velocities, memory::filled(n, ORBIT_RADIUS)?, 1.0)?,
+        settings,
+    ))
 }

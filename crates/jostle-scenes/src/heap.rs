@@ -3,6 +3,8 @@
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
 use super::start::{Start, boxed};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
@@ -38,20 +40,20 @@ pub(crate) fn heap_view(n: usize) -> Area {
 }
 
 /// The static discs of the ground, then `n` grains.
-pub(crate) fn heap(n: usize, random: &mut Random) -> Start {
+pub(crate) fn heap(n: usize, random: &mut Random) -> Result<Start> {
     // Counted from the middle, so that the ground is symmetric.
     let half_beads = (half_width(n) / (2.0 * BEAD)) as i32;
     let beads = (-half_beads..=half_beads).map(|at| [2.0 * BEAD * at as f32, 0.0]).collect();
-    let mut particles = immovable(beads, BEAD);
+    let mut particles = immovable(beads, BEAD)?;
     let [width, height] = column(n);
     let fill = [-0.5 * width, -BEAD - height, 0.5 * width, -BEAD];
-    let places = lattice(n, fill, 0.005 * PITCH, random);
-    let radii = (0..n).map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 10.0)).collect();
-    particles.extend(&Particles::new(places, velocities, radii, 1.0));
-    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = FRICTION);
+    let places = lattice(n, fill, 0.005 * PITCH, random)?;
+    let radii = memory::collect((0..n).map(|_| random.between(GRAINS[0], GRAINS[1])))?;
+    let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * 10.0)))?;
+    particles.try_extend(&Particles::try_new(places, velocities, radii, 1.0)?)?;
+    particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.friction = FRICTION);
     let [min_x, min_y, max_x, max_y] = heap_view(n);
     let walls = [min_x - BEAD, min_y, max_x + BEAD, max_y];
     let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.1, ..boxed(walls) };
-    Start::new(particles, settings)
+    Ok(Start::new(particles, settings))
 }

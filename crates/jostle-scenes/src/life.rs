@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::placing::Area;
 use super::random::Random;
 use super::start::Start;
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::container::Container;
 use jostle_world::forces::{Flocking, Influence, PairForce, PairTable};
 use jostle_world::particles::Particles;
@@ -42,15 +44,20 @@ fn side(n: usize, area: f32, cutoff: f32) -> f32 {
 }
 
 /// Particles at random places on a torus, which pass through each other.
-fn scattered(n: usize, side: f32, speed: f32, random: &mut Random) -> (Particles, WorldSettings) {
+fn scattered(
+    n: usize,
+    side: f32,
+    speed: f32,
+    random: &mut Random,
+) -> Result<(Particles, WorldSettings)> {
     let place = |random: &mut Random| [random.between(0.0, side), random.between(0.0, side)];
-    let places = (0..n).map(|_| place(random)).collect();
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * speed)).collect();
-    let mut particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
-    particles.masses = vec![1.0; n];
+    let places = memory::collect((0..n).map(|_| place(random)))?;
+    let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * speed)))?;
+    let mut particles = Particles::try_new(places, velocities, memory::filled(n, RADIUS)?, 1.0)?;
+    particles.masses = memory::filled(n, 1.0)?;
     let container = Container::Torus { size: [side, side] };
     let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
-    (particles, settings)
+    Ok((particles, settings))
 }
 
 pub(crate) fn life_view(n: usize) -> Area {
@@ -58,15 +65,15 @@ pub(crate) fn life_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub(crate) fn life(n: usize, random: &mut Random) -> Start {
-    let (mut particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random);
+pub(crate) fn life(n: usize, random: &mut Random) -> Result<Start> {
+    let (mut particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random)?;
     // Kinds take turns, not at random: their numbers differ by at most one. Places are random, so
     // kinds are mixed.
-    particles.kinds = (0..n).map(|row| (row % KINDS) as u8).collect();
+    particles.kinds = memory::collect((0..n).map(|row| (row % KINDS) as u8))?;
     let table = PairTable::particle_life(KINDS, MATRIX.as_flattened(), REACH, CORE, STRENGTH);
     let table = Arc::new(table.expect("the matrix is valid"));
     let settings = WorldSettings { drag: LIFE_DRAG, ..settings };
-    Start::new(particles, settings).with(Influence::Pair(PairForce { table }))
+    Ok(Start::new(particles, settings).with(Influence::Pair(PairForce { table })))
 }
 
 /// The flock; speeds are in px/s.
@@ -87,8 +94,8 @@ pub(crate) fn flock_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub(crate) fn flock(n: usize, random: &mut Random) -> Start {
+pub(crate) fn flock(n: usize, random: &mut Random) -> Result<Start> {
     let side = side(n, FLOCK_AREA, FLOCK.cutoff);
-    let (particles, settings) = scattered(n, side, FLOCK.max_speed, random);
-    Start::new(particles, settings).with(Influence::Flocking(FLOCK))
+    let (particles, settings) = scattered(n, side, FLOCK.max_speed, random)?;
+    Ok(Start::new(particles, settings).with(Influence::Flocking(FLOCK)))
 }

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use super::placing::{Area, immovable, lattice, lattice_where};
 use super::random::Random;
 use super::start::{Start, area_of, boxed, direction, side_for};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::container::Container;
 use jostle_world::forces::{Influence, Motor};
 use jostle_world::particles::Particles;
@@ -47,24 +49,24 @@ pub(crate) fn piston_view(n: usize) -> Area {
 }
 
 /// `n` discs of a gas in a cylinder with a piston.
-pub(crate) fn piston(n: usize, random: &mut Random) -> Start {
+pub(crate) fn piston(n: usize, random: &mut Random) -> Result<Start> {
     let [length, height] = cylinder(n);
     let inside = [GAS_RADIUS, GAS_RADIUS, length - GAS_RADIUS, height - GAS_RADIUS];
-    let places = lattice(n, inside, 0.0, random);
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * GAS_SPEED)).collect();
-    let gas = Particles::new(places, velocities, vec![GAS_RADIUS; n], 1.0);
+    let places = lattice(n, inside, 0.0, random)?;
+    let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * GAS_SPEED)))?;
+    let gas = Particles::try_new(places, velocities, memory::filled(n, GAS_RADIUS)?, 1.0)?;
     let mut start = Start::new(gas, boxed(piston_view(n)));
     start.walls.push(Wall::new([[length, 0.0], [length, height]]));
     let middle = 0.5 * height;
     start.walls.push(Wall::new([[length, middle], [(1.0 + STROKE) * length, middle]]));
     // Half of the period in either direction: the stroke over half a period.
     let velocity = [-2.0 * STROKE * length / PISTON_PERIOD, 0.0];
-    start.with(Influence::Motor(Motor {
+    Ok(start.with(Influence::Motor(Motor {
         walls: vec![0, 1],
         velocity,
         period: PISTON_PERIOD,
         ..MOTOR
-    }))
+    })))
 }
 
 const GRAINS: [f32; 2] = [3.0, 4.0];
@@ -97,7 +99,7 @@ fn arms() -> impl Iterator<Item = [f32; 2]> {
 }
 
 /// The discs of a wheel, then `n` grains in a drum.
-pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
+pub(crate) fn mill(n: usize, random: &mut Random) -> Result<Start> {
     let radius = drum(n);
     // Grains fit between the tips of the arms and the drum.
     // Less than two grains fit between the tip and the drum, so none is squeezed between both.
@@ -106,11 +108,11 @@ pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
     let along = |k: usize| tip - k as f32 * PADDLE_PITCH;
     let paddles =
         arms().flat_map(|[x, y]| (0..count).map(move |k| [x * along(k), y * along(k)])).collect();
-    let mut particles = immovable(vec![[0.0; 2]], hub);
-    particles.extend(&immovable(paddles, PADDLE));
+    let mut particles = immovable(vec![[0.0; 2]], hub)?;
+    particles.try_extend(&immovable(paddles, PADDLE)?)?;
     let ids = (0..particles.len() as i64).collect();
-    particles.extend(&grains(between_arms(n, radius, random), 10.0, random));
-    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.5);
+    particles.try_extend(&grains(between_arms(n, radius, random)?, 10.0, random)?)?;
+    particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.friction = 0.5);
     let container = Container::Circle { center: [0.0; 2], radius };
     let gravity = [0.0, GRAVITY];
     let settings =
@@ -118,11 +120,15 @@ pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
     // From the Froude number ω² r / g, which decides the flow in a drum: at a quarter grains
     // tumble, at 1 they stay at the rim.
     let angular_velocity = (FROUDE * GRAVITY / radius).sqrt();
-    Start::new(particles, settings).with(Influence::Motor(Motor { ids, angular_velocity, ..MOTOR }))
+    Ok(Start::new(particles, settings).with(Influence::Motor(Motor {
+        ids,
+        angular_velocity,
+        ..MOTOR
+    })))
 }
 
 /// Positions of `n` grains in the drum that overlap neither it nor the wheel.
-fn between_arms(n: usize, radius: f32, random: &mut Random) -> Vec<[f32; 2]> {
+fn between_arms(n: usize, radius: f32, random: &mut Random) -> Result<Vec<[f32; 2]>> {
     let grain = GRAINS[1];
     let is_free = |&[x, y]: &[f32; 2]| {
         let distance = (x * x + y * y).sqrt();
@@ -136,10 +142,12 @@ fn between_arms(n: usize, radius: f32, random: &mut Random) -> Vec<[f32; 2]> {
 }
 
 /// Grains at some positions, with random velocities of up to `speed`.
-fn grains(places: Vec<[f32; 2]>, speed: f32, random: &mut Random) -> Particles {
-    let radii = places.iter().map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
-    let velocities = places.iter().map(|_| random.in_disc().map(|v| v * speed)).collect();
-    Particles::new(places, velocities, radii, 1.0)
+fn grains(places: Vec<[f32; 2]>, speed: f32, random: &mut Random) -> Result<Particles> {
+    let radii = places.iter().map(|_| random.between(GRAINS[0], GRAINS[1]));
+    let radii = memory::collect(radii)?;
+    let velocities = places.iter().map(|_| random.in_disc().map(|v| v * speed));
+    let velocities = memory::collect(velocities)?;
+    Particles::try_new(places, velocities, radii, 1.0)
 }
 
 const ROLLER: f32 = 6.0;
@@ -175,14 +183,14 @@ pub(crate) fn conveyor_view(n: usize) -> Area {
 }
 
 /// `n` grains on rollers that carry them up to the right; a chute below leads them back.
-pub(crate) fn conveyor(n: usize, random: &mut Random) -> Start {
+pub(crate) fn conveyor(n: usize, random: &mut Random) -> Result<Start> {
     let area = conveyor_view(n);
     let [length, lowest, _] = conveyor_size(n);
     let count = ((length - 2.0 * GAP) / ROLLER_PITCH) as usize;
     let roller = |k: usize| [GAP + k as f32 * ROLLER_PITCH, -CLIMB * k as f32 * ROLLER_PITCH];
-    let mut particles = immovable((0..count).map(roller).collect(), ROLLER);
+    let mut particles = immovable((0..count).map(roller).collect(), ROLLER)?;
     let turning = BELT_SPEED / ROLLER;
-    particles.spins_mut().iter_mut().for_each(|spin| spin.velocity = turning);
+    particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.velocity = turning);
     // The grains are in layers above the rollers.
     let pitch = 2.02 * GRAINS[1];
     let columns = (((length - 2.0 * GAP) / pitch) as usize).max(1);
@@ -191,11 +199,11 @@ pub(crate) fn conveyor(n: usize, random: &mut Random) -> Start {
         let layer = 1.0 + (index / columns) as f32;
         [x, -CLIMB * (x - GAP) - ROLLER - layer * pitch]
     };
-    particles.extend(&grains((0..n).map(place).collect(), 10.0, random));
-    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.8);
+    particles.try_extend(&grains(memory::collect((0..n).map(place))?, 10.0, random)?)?;
+    particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.friction = 0.8);
     let settings = WorldSettings { gravity: [0.0, GRAVITY], restitution: 0.1, ..boxed(area) };
     let mut start = Start::new(particles, settings);
     let chute = Wall::new([[0.0, lowest], [length, lowest - CHUTE * length]]);
     start.walls.push(Wall { friction: Some(0.0), ..chute });
-    start
+    Ok(start)
 }

@@ -5,6 +5,8 @@ use std::ops::Range;
 use super::placing::{Area, kept, lattice_places, lattice_where};
 use super::random::Random;
 use super::start::{Start, area_of, boxed, side_for};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::forces::{Influence, Thermostat};
 use jostle_world::particles::Particles;
 
@@ -27,7 +29,7 @@ pub(crate) fn thermostat_view(n: usize) -> Area {
 }
 
 /// Half of the discs are on either side.
-pub(crate) fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
+pub(crate) fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> Result<Start> {
     let area = thermostat_view(n);
     let [min_x, min_y, max_x, max_y] = area;
     let middle = (min_x + max_x) / 2.0;
@@ -38,17 +40,17 @@ pub(crate) fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> S
         // The range of rows counts from the start of all; on either side rows count from its first
         // disc.
         let rows = rows.start.saturating_sub(first)..rows.end.saturating_sub(first);
-        places.extend(kept(&rows, lattice_places(count, side, 0.5, random)));
+        memory::append(&mut places, &kept(&rows, lattice_places(count, side, 0.5, random))?)?;
     }
     let kind = |row: usize| usize::from(row >= light);
     let velocity = |row| random.in_disc().map(|v| v * SPEEDS[kind(row)]);
-    let velocities = kept(&rows, (0..n).map(velocity));
-    let radii = vec![RADIUS; places.len()];
-    let mut particles = Particles::new(places, velocities, radii, 1.0);
+    let velocities = kept(&rows, (0..n).map(velocity))?;
+    let radii = memory::filled(places.len(), RADIUS)?;
+    let mut particles = Particles::try_new(places, velocities, radii, 1.0)?;
     let masses = particles.masses.iter_mut().zip(rows.start..);
     masses.for_each(|(mass, row)| *mass *= DENSITIES[kind(row)]);
     let settings = boxed(area);
-    Start::new(particles, settings).with(Influence::Thermostat(WALLS))
+    Ok(Start::new(particles, settings).with(Influence::Thermostat(WALLS)))
 }
 
 /// Radii of the large disc and of the small discs around it.
@@ -65,20 +67,21 @@ pub(crate) fn brownian_view(n: usize) -> Area {
 }
 
 /// `n` particles in all; the first is the large one.
-pub(crate) fn brownian(n: usize, random: &mut Random) -> Start {
+pub(crate) fn brownian(n: usize, random: &mut Random) -> Result<Start> {
     let area = brownian_view(n);
     let middle = area[2] / 2.0;
     let gas = n.saturating_sub(1);
-    let mut places = vec![[middle; 2]; n.min(1)];
+    let mut places = memory::filled(n.min(1), [middle; 2])?;
     // With room for the displacement of the lattice, so that no small disc begins inside the large
     // one.
-    places.extend(around(gas, area, [middle; 2], LARGE + 2.0 * SMALL, random));
-    let mut velocities = vec![[0.0; 2]; n.min(1)];
-    velocities.extend((0..gas).map(|_| random.in_disc().map(|v| v * SPEED)));
-    let mut radii = vec![LARGE; n.min(1)];
-    radii.resize(n, SMALL);
-    let particles = Particles::new(places, velocities, radii, 1.0);
-    Start::new(particles, boxed(area))
+    let others = around(gas, area, [middle; 2], LARGE + 2.0 * SMALL, random)?;
+    memory::append(&mut places, &others)?;
+    let mut velocities = memory::filled(n.min(1), [0.0; 2])?;
+    memory::extend(&mut velocities, (0..gas).map(|_| random.in_disc().map(|v| v * SPEED)))?;
+    let mut radii = memory::filled(n.min(1), LARGE)?;
+    memory::resize(&mut radii, n, SMALL)?;
+    let particles = Particles::try_new(places, velocities, radii, 1.0)?;
+    Ok(Start::new(particles, boxed(area)))
 }
 
 /// `count` positions on a lattice outside of a circle.
@@ -88,7 +91,7 @@ fn around(
     [x, y]: [f32; 2],
     radius: f32,
     random: &mut Random,
-) -> Vec<[f32; 2]> {
+) -> Result<Vec<[f32; 2]>> {
     let free = |p: &[f32; 2]| {
         let offset = [p[0] - x, p[1] - y];
         offset[0] * offset[0] + offset[1] * offset[1] > radius * radius

@@ -4,6 +4,8 @@ use super::machines::MOTOR;
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
 use super::start::{Start, boxed, direction};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::forces::{Influence, Motor};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
@@ -62,19 +64,20 @@ pub(crate) fn pinball_view(n: usize) -> Area {
 }
 
 /// Bumpers and flippers, then `n` balls.
-pub(crate) fn pinball(n: usize, random: &mut Random) -> Start {
+pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
     let width = width(n);
     let mut particles = Particles::default();
     for (place, radius) in BUMPERS {
-        particles.extend(&immovable(vec![place.map(|v| v * width)], radius * width));
+        particles.try_extend(&immovable(vec![place.map(|v| v * width)], radius * width)?)?;
     }
-    let flippers = [false, true].map(|is_right| flipper(is_right, width, &mut particles));
+    let mut flipper = |is_right| flipper(is_right, width, &mut particles);
+    let flippers = [flipper(false)?, flipper(true)?];
     let [u, v] = [0.15 * width, 0.1 * width];
-    let places = lattice(n, [u, v, width - u, 0.42 * width], 0.0, random);
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 300.0)).collect();
-    let mut balls = Particles::new(places, velocities, vec![BALL; n], 1.0);
+    let places = lattice(n, [u, v, width - u, 0.42 * width], 0.0, random)?;
+    let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * 300.0)))?;
+    let mut balls = Particles::try_new(places, velocities, memory::filled(n, BALL)?, 1.0)?;
     balls.restitutions.fill(0.9);
-    particles.extend(&balls);
+    particles.try_extend(&balls)?;
     let settings = WorldSettings { gravity: [0.0, 500.0], drag: 0.05, ..boxed(pinball_view(n)) };
     let mut start = Start::new(particles, settings);
     for is_right in [false, true] {
@@ -90,12 +93,12 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Start {
     let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
     start.walls.push(Wall::new(ends.map(|x| [x, y])));
     start.forces.extend(flippers.map(Influence::Motor));
-    start.with(Influence::Motor(Motor {
+    Ok(start.with(Influence::Motor(Motor {
         walls: vec![floor],
         velocity: [0.0, -FLOOR_SPEED],
         period: FLOOR_PERIOD,
         ..MOTOR
-    }))
+    })))
 }
 
 /// The mirror image of a point on the right half, if `is_right`.
@@ -104,7 +107,7 @@ fn mirrored([x, y]: [f32; 2], is_right: bool) -> [f32; 2] {
 }
 
 /// Adds the discs of a flipper, and returns its motor.
-fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Motor {
+fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Result<Motor> {
     let first = particles.len() as i64;
     let along = direction(REST_ANGLE);
     for k in 0..FLIPPER_DISCS {
@@ -114,14 +117,14 @@ fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Motor {
         let place = [0, 1].map(|axis| PIVOT[axis] + share * FLIPPER * along[axis]);
         let radius = FLIPPER_RADII[0] + share * (FLIPPER_RADII[1] - FLIPPER_RADII[0]);
         let place = mirrored(place, is_right).map(|v| v * width);
-        particles.extend(&immovable(vec![place], radius * width));
+        particles.try_extend(&immovable(vec![place], radius * width)?)?;
     }
     let upwards = if is_right { SWING } else { -SWING };
-    Motor {
+    Ok(Motor {
         ids: (first..particles.len() as i64).collect(),
         center: mirrored(PIVOT, is_right).map(|v| v * width),
         angular_velocity: 2.0 * upwards / FLIPPER_PERIOD,
         period: FLIPPER_PERIOD,
         ..MOTOR
-    }
+    })
 }

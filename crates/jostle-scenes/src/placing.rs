@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::random::Random;
 use jostle_base::error::{Error, Result};
+use jostle_base::memory;
 use jostle_world::forces::check_pair;
 use jostle_world::particles::{Particles, check_radii};
 
@@ -22,8 +23,13 @@ const MAX_BEADS: f64 = 1e6;
 
 /// `count` positions on a square lattice that fills `area`, each displaced by up to `jitter` along
 /// both axes.
-pub(crate) fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Vec<[f32; 2]> {
-    lattice_places(count, area, jitter, random).collect()
+pub(crate) fn lattice(
+    count: usize,
+    area: Area,
+    jitter: f32,
+    random: &mut Random,
+) -> Result<Vec<[f32; 2]>> {
+    memory::collect(lattice_places(count, area, jitter, random))
 }
 
 /// The positions of [`lattice`], computed one after the other.
@@ -32,7 +38,7 @@ pub(crate) fn lattice_places(
     area: Area,
     jitter: f32,
     random: &mut Random,
-) -> impl Iterator<Item = [f32; 2]> {
+) -> impl ExactSizeIterator<Item = [f32; 2]> {
     // Columns in proportion to the width, so that cells are about square.
     let [width, height] = [area[2] - area[0], area[3] - area[1]];
     let columns = ((count as f32 * width / height).sqrt().ceil() as usize).max(1);
@@ -53,14 +59,14 @@ pub(crate) fn lattice_where(
     jitter: f32,
     random: &mut Random,
     is_free: impl Fn(&[f32; 2]) -> bool,
-) -> Vec<[f32; 2]> {
+) -> Result<Vec<[f32; 2]>> {
     let mut cells = count;
     loop {
-        let mut places = lattice(cells, area, jitter, random);
+        let mut places = lattice(cells, area, jitter, random)?;
         places.retain(&is_free);
         if places.len() >= count {
             places.truncate(count);
-            return places;
+            return Ok(places);
         }
         cells += cells / 20 + 1;
     }
@@ -68,10 +74,13 @@ pub(crate) fn lattice_where(
 
 /// The values of the particles in `rows`. All values are made, so that random numbers do not depend
 /// on it.
-pub(crate) fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {
+pub(crate) fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Result<Vec<V>> {
     // A rank that makes its own rows has to draw the random numbers of all rows before them, or the
     // parts would not be those of the whole.
-    values.enumerate().filter(|(row, _)| rows.contains(row)).map(|(_, value)| value).collect()
+    let values = values.enumerate().filter(|(row, _)| rows.contains(row)).map(|(_, value)| value);
+    let mut all = Vec::new();
+    memory::extend(&mut all, values)?;
+    Ok(all)
 }
 
 /// The centres of discs of `radius` in a straight line from `start` to `end`, so close that
@@ -96,32 +105,40 @@ pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>
         let share = f64::from(index) / steps.max(1.0);
         [0, 1].map(|k| (f64::from(start[k]) + offset[k] * share) as f32)
     };
-    Ok((0..=steps as u32).map(bead).collect())
+    memory::collect((0..steps as u32 + 1).map(bead))
 }
 
 /// The discs of walls between consecutive corners.
-pub(crate) fn walls(corners: &[[f32; 2]], radius: f32) -> Vec<[f32; 2]> {
-    let sides = corners.windows(2);
-    sides.flat_map(|ends| wall(ends[0], ends[1], radius).unwrap_or_default()).collect()
+pub(crate) fn walls(corners: &[[f32; 2]], radius: f32) -> Result<Vec<[f32; 2]>> {
+    let mut all = Vec::new();
+    for ends in corners.windows(2) {
+        memory::append(&mut all, &wall(ends[0], ends[1], radius)?)?;
+    }
+    Ok(all)
 }
 
 /// Immovable discs of equal radius.
-pub(crate) fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
+pub(crate) fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Result<Particles> {
     let len = places.len();
-    let mut discs = Particles::new(places, vec![[0.0; 2]; len], vec![radius; len], 1.0);
+    let mut discs = Particles::try_new(
+        places,
+        memory::filled(len, [0.0; 2])?,
+        memory::filled(len, radius)?,
+        1.0,
+    )?;
     discs.movable.fill(false);
-    discs
+    Ok(discs)
 }
 
 /// Random positions in `area`, one for each radius, without overlap unless [`TRIES`] attempts fail.
 /// Larger discs are placed first. Discs of similar size have a grid of their own, and each disc is
 /// tested against the grids of its own size and of larger sizes.
-pub(crate) fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> {
-    let mut by_size: Vec<usize> = (0..radii.len()).collect();
-    // Large discs find no place any more among many small ones. A stable sort, so equal radii keep
-    // the order of rows.
-    by_size.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
-    let mut places = vec![[0.0; 2]; radii.len()];
+pub(crate) fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Result<Vec<[f32; 2]>> {
+    let mut by_size = memory::collect(0..radii.len())?;
+    // Large discs find no place any more among many small ones. Equal radii keep the order of
+    // rows.
+    by_size.sort_unstable_by(|&a, &b| radii[b].total_cmp(&radii[a]).then(a.cmp(&b)));
+    let mut places = memory::filled(radii.len(), [0.0; 2])?;
     let mut grids: Vec<Grid> = Vec::new();
     for index in by_size {
         let radius = radii[index];
@@ -144,10 +161,10 @@ pub(crate) fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f3
         }
         places[index] = place;
         if let Some(grid) = grids.last_mut() {
-            grid.put(place, index);
+            grid.put(place, index)?;
         }
     }
-    places
+    Ok(places)
 }
 
 /// A uniform grid of discs of similar size; cells are as wide as the largest disc.
@@ -164,8 +181,11 @@ impl Grid {
         ((place[0] / side).floor() as i32, (place[1] / side).floor() as i32)
     }
 
-    fn put(&mut self, place: [f32; 2], index: usize) {
-        self.cells.entry(self.cell(place)).or_default().push(index);
+    fn put(&mut self, place: [f32; 2], index: usize) -> Result<()> {
+        type Cell = ((i32, i32), Vec<usize>);
+        let len = self.cells.len() + 1;
+        self.cells.try_reserve(1).map_err(|error| memory::no_memory::<Cell>(&error, len))?;
+        memory::push(self.cells.entry(self.cell(place)).or_default(), index)
     }
 
     fn is_free(&self, place: [f32; 2], radius: f32, places: &[[f32; 2]], radii: &[f32]) -> bool {

@@ -3,6 +3,8 @@
 use super::placing::Area;
 use super::random::Random;
 use super::start::{Start, boxed};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
@@ -91,18 +93,18 @@ pub(crate) fn sand_view(n: usize) -> Area {
 }
 
 /// `n` grains in a glass.
-pub(crate) fn sand(n: usize, random: &mut Random) -> Start {
+pub(crate) fn sand(n: usize, random: &mut Random) -> Result<Start> {
     let glass = Glass::of(n);
-    let mut places = Vec::with_capacity(n);
+    let mut places = memory::with_capacity(n)?;
     for (index, (y, count)) in glass.rows(n).into_iter().enumerate() {
         // Alternate rows are shifted by half a distance in all, so that grains lie in the gaps of
         // the row below.
         let first = -0.5 * (count as f32 - 1.0) + if index % 2 == 0 { 0.25 } else { -0.25 };
         places.extend((0..count).map(|k| [(first + k as f32) * PITCH, -y]));
     }
-    let radii = (0..n).map(|_| random.between(GRAINS[0], GRAINS[1])).collect();
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 10.0)).collect();
-    let mut grains = Particles::new(places, velocities, radii, 1.0);
+    let radii = memory::collect((0..n).map(|_| random.between(GRAINS[0], GRAINS[1])))?;
+    let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * 10.0)))?;
+    let mut grains = Particles::try_new(places, velocities, radii, 1.0)?;
     for (index, mass) in grains.masses.iter_mut().enumerate() {
         // The mass marks the layer: the simulator can colour by it, and 4 % have no visible effect
         // on the flow.
@@ -110,5 +112,5 @@ pub(crate) fn sand(n: usize, random: &mut Random) -> Start {
     }
     let settings =
         WorldSettings { gravity: [0.0, 900.0], drag: 1.5, restitution: 0.0, ..boxed(sand_view(n)) };
-    Start::new(grains, settings).walled(&glass.corners())
+    Ok(Start::new(grains, settings).walled(&glass.corners()))
 }

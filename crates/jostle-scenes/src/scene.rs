@@ -28,9 +28,9 @@ pub struct Scene {
 /// A function that makes the initial state with a number of particles.
 #[derive(Clone, Copy)]
 pub(crate) enum Make {
-    Whole(fn(usize, &mut Random) -> Start),
+    Whole(fn(usize, &mut Random) -> Result<Start>),
     /// It can make a range of the particles without the others.
-    Parts(fn(usize, &mut Random, Range<usize>) -> Start),
+    Parts(fn(usize, &mut Random, Range<usize>) -> Result<Start>),
 }
 
 impl Scene {
@@ -64,8 +64,8 @@ impl Scene {
     fn create_rows(&self, count: usize, seed: u64, rows: Range<usize>) -> Result<World> {
         let random = &mut Random::new(seed);
         let start = match self.make {
-            Make::Whole(make) => make(count, random),
-            Make::Parts(make) => make(count, random, rows),
+            Make::Whole(make) => make(count, random)?,
+            Make::Parts(make) => make(count, random, rows)?,
         };
         // The default of particles that are added later, so that these are like the others.
         let friction = common_friction(&start.particles);

@@ -3,7 +3,9 @@
 use super::placing::Area;
 use super::random::Random;
 use super::start::{Start, boxed};
+use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_world::forces::{Influence, Spring, Springs};
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
@@ -60,38 +62,46 @@ struct SoftBodies {
 
 impl SoftBodies {
     /// Adds a disc and returns its row.
-    fn disc(&mut self, place: [f32; 2], velocity: [f32; 2], radius: f32, density: f32) -> u32 {
+    fn disc(
+        &mut self,
+        place: [f32; 2],
+        velocity: [f32; 2],
+        radius: f32,
+        density: f32,
+    ) -> Result<u32> {
         let row = self.particles.len() as u32;
-        self.particles.extend(&Particles::new(vec![place], vec![velocity], vec![radius], density));
-        row
+        let disc = Particles::new(vec![place], vec![velocity], vec![radius], density);
+        self.particles.try_extend(&disc)?;
+        Ok(row)
     }
 
     /// Adds a spring between two discs with their present distance as rest length.
-    fn connect(&mut self, a: u32, b: u32, kind: SpringKind) {
+    fn connect(&mut self, a: u32, b: u32, kind: SpringKind) -> Result<()> {
         let [p, q] = [a, b].map(|row| self.particles.positions[row as usize]);
         let offset = [q[0] - p[0], q[1] - p[1]];
         let masses = [a, b].map(|row| self.particles.masses[row as usize]);
         // Stiffness and damping are given for one disc on one spring. In proportion to the lighter
         // mass the frequency, and with it the step that a spring needs, is the same for all sizes.
         let mass = masses[0].min(masses[1]);
-        self.springs.push(Spring {
+        let spring = Spring {
             pair: [a, b].map(Id::from),
             length: (offset[0] * offset[0] + offset[1] * offset[1]).sqrt(),
             stiffness: kind.stiffness * mass,
             damping: 2.0 * kind.damping * kind.stiffness.sqrt() * mass,
             max_stretch: f32::INFINITY,
-        });
+        };
+        memory::push(&mut self.springs, spring)
     }
 
     /// A cloth that hangs from its first row, which is immovable.
-    fn cloth(&mut self, [columns, rows]: [usize; 2], corner: [f32; 2]) {
+    fn cloth(&mut self, [columns, rows]: [usize; 2], corner: [f32; 2]) -> Result<()> {
         let first = self.particles.len();
         let row_of = |column: usize, row: usize| (first + row * columns + column) as u32;
         for row in 0..rows {
             for column in 0..columns {
                 let place = [corner[0] + column as f32 * MESH, corner[1] + row as f32 * MESH];
                 let sway = CLOTH_SPEED * row as f32 / rows as f32;
-                let disc = self.disc(place, [sway, 0.0], THREAD, 1.0);
+                let disc = self.disc(place, [sway, 0.0], THREAD, 1.0)?;
                 self.particles.movable[disc as usize] = row > 0;
             }
         }
@@ -101,36 +111,44 @@ impl SoftBodies {
             if right {
                 // Stiff along the threads and soft across: a square mesh has no resistance to shear
                 // without diagonals.
-                self.connect(this, row_of(column + 1, row), CLOTH);
+                self.connect(this, row_of(column + 1, row), CLOTH)?;
             }
             if down {
-                self.connect(this, row_of(column, row + 1), CLOTH);
+                self.connect(this, row_of(column, row + 1), CLOTH)?;
             }
             if right && down {
-                self.connect(this, row_of(column + 1, row + 1), SHEAR);
-                self.connect(row_of(column + 1, row), row_of(column, row + 1), SHEAR);
+                self.connect(this, row_of(column + 1, row + 1), SHEAR)?;
+                self.connect(row_of(column + 1, row), row_of(column, row + 1), SHEAR)?;
             }
         }
+        Ok(())
     }
 
     /// A chain from an immovable disc to a heavy one at the end.
-    fn chain(&mut self, links: usize, anchor: [f32; 2], along: [f32; 2]) {
-        let mut last = self.disc(anchor, [0.0; 2], LINK, 2.0);
+    fn chain(&mut self, links: usize, anchor: [f32; 2], along: [f32; 2]) -> Result<()> {
+        let mut last = self.disc(anchor, [0.0; 2], LINK, 2.0)?;
         self.particles.movable[last as usize] = false;
         for link in 1..=links {
             let end = link == links;
             let distance = link as f32 * LINK_PITCH + if end { BOB - LINK } else { 0.0 };
             let place = [0, 1].map(|k| anchor[k] + along[k] * distance);
             let radius = if end { BOB } else { LINK };
-            let next = self.disc(place, [0.0; 2], radius, 2.0);
-            self.connect(last, next, CHAIN);
+            let next = self.disc(place, [0.0; 2], radius, 2.0)?;
+            self.connect(last, next, CHAIN)?;
             last = next;
         }
+        Ok(())
     }
 
     /// A round body on a triangular lattice, with springs between nearest neighbours and, for its
     /// shear stiffness, between second neighbours.
-    fn body(&mut self, square: f32, center: [f32; 2], velocity: [f32; 2], density: f32) {
+    fn body(
+        &mut self,
+        square: f32,
+        center: [f32; 2],
+        velocity: [f32; 2],
+        density: f32,
+    ) -> Result<()> {
         let first = self.particles.len();
         // Axial coordinates of a triangular lattice: the squared distance of a site is row² + row ·
         // column + column².
@@ -140,7 +158,7 @@ impl SoftBodies {
                 let across = column as f32 + 0.5 * row as f32;
                 let place = [across, row as f32 * 0.75f32.sqrt()];
                 let place = [0, 1].map(|k| center[k] + place[k] * PITCH);
-                self.disc(place, velocity, DISC, density);
+                self.disc(place, velocity, DISC, density)?;
             }
         }
         let rows = first..self.particles.len();
@@ -151,10 +169,11 @@ impl SoftBodies {
                 let square = offset[0] * offset[0] + offset[1] * offset[1];
                 // Second neighbours are at the distance √3, third ones at 2.
                 if square < 3.5 * PITCH * PITCH {
-                    self.connect(a as u32, b as u32, BODY);
+                    self.connect(a as u32, b as u32, BODY)?;
                 }
             }
         }
+        Ok(())
     }
 }
 
@@ -172,13 +191,13 @@ pub(crate) fn springs_view(n: usize) -> Area {
 }
 
 /// `n` particles in all, including the immovable ones of cloths and chains.
-pub(crate) fn springs(n: usize, random: &mut Random) -> Start {
+pub(crate) fn springs(n: usize, random: &mut Random) -> Result<Start> {
     let (counts, size) = cells(n);
     let count = (n / ROOM_COUNT).max(1);
     let mut tissue = SoftBodies::default();
     for cell in 0..count {
         let corner = [(cell % counts[0]) as f32 * size[0], (cell / counts[0]) as f32 * size[1]];
-        fill_cell(n * (cell + 1) / count - n * cell / count, corner, size, &mut tissue, random);
+        fill_cell(n * (cell + 1) / count - n * cell / count, corner, size, &mut tissue, random)?;
     }
     let settings = WorldSettings {
         gravity: [0.0, 600.0],
@@ -186,7 +205,7 @@ pub(crate) fn springs(n: usize, random: &mut Random) -> Start {
         restitution: 0.4,
         ..boxed(springs_view(n))
     };
-    Start::new(tissue.particles, settings).with(Influence::Springs(Springs(tissue.springs)))
+    Ok(Start::new(tissue.particles, settings).with(Influence::Springs(Springs(tissue.springs))))
 }
 
 /// Fills a cell with `n` particles: the cloth on the left, the chain on the right, and rows of
@@ -197,18 +216,18 @@ fn fill_cell(
     size: [f32; 2],
     tissue: &mut SoftBodies,
     random: &mut Random,
-) {
+) -> Result<()> {
     let at = |x: f32, y: f32| [corner[0] + x * size[0], corner[1] + y * size[1]];
     let before = tissue.particles.len();
     // Five rows for three columns.
     let columns = (0.6 * IN_CLOTH * n as f32).sqrt() as usize;
     let rows = columns * 5 / 3;
     if rows > 1 {
-        tissue.cloth([columns, rows], at(0.36, 0.04));
+        tissue.cloth([columns, rows], at(0.36, 0.04))?;
     }
     let links = (IN_CHAIN * n as f32) as usize;
     if links > 3 {
-        tissue.chain(links, at(0.69, 0.04), [0.6, 0.8]);
+        tissue.chain(links, at(0.69, 0.04), [0.6, 0.8])?;
     }
     let mut left = n - (tissue.particles.len() - before);
     let (mut pen, mut shelf) = (at(0.03, 0.97), 0.0f32);
@@ -229,9 +248,10 @@ fn fill_cell(
         }
         let center = [pen[0] + radius, pen[1] - radius];
         let velocity = random.in_disc().map(|v| v * SPEED);
-        tissue.body(square, center, velocity, random.between(1.0, 4.0));
+        tissue.body(square, center, velocity, random.between(1.0, 4.0))?;
         pen[0] += 2.0 * radius + PITCH;
         shelf = shelf.max(2.0 * radius);
         left -= count;
     }
+    Ok(())
 }

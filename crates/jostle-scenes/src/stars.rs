@@ -3,6 +3,8 @@
 use super::placing::Area;
 use super::random::Random;
 use super::start::Start;
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_world::forces::{Gravitation, Influence};
 use jostle_world::particles::Particles;
 use jostle_world::world::{OnTouch, WorldSettings};
@@ -34,14 +36,14 @@ pub(crate) fn stars_view(n: usize) -> Area {
     [-half, -half, half, half]
 }
 
-pub(crate) fn stars(n: usize, random: &mut Random) -> Start {
+pub(crate) fn stars(n: usize, random: &mut Random) -> Result<Start> {
     let cloud = CLOUD * scale(n);
     // Gravitation grows with the size of the cloud, so every cloud takes the same time.
     let g = G * scale(n);
     let mass = n as f32 * DUST * DUST;
     // The mass within a radius is proportional to it, so the orbital speed is constant.
     let speed = TURN * (g * mass / cloud).sqrt();
-    let (mut places, mut velocities) = (Vec::with_capacity(n), Vec::with_capacity(n));
+    let (mut places, mut velocities) = (memory::with_capacity(n)?, memory::with_capacity(n)?);
     for _ in 0..n {
         let [x, y] = random.in_disc();
         let length = (x * x + y * y).sqrt();
@@ -54,9 +56,9 @@ pub(crate) fn stars(n: usize, random: &mut Random) -> Start {
         let [u, v] = random.in_disc().map(|v| v * RANDOM_SPEED * speed);
         velocities.push([u - y * turn, v + x * turn]);
     }
-    let particles = Particles::new(places, velocities, vec![DUST; n], 1.0);
+    let particles = Particles::try_new(places, velocities, memory::filled(n, DUST)?, 1.0)?;
     let settings =
         WorldSettings { on_touch: OnTouch::Merge, substeps: Some(1), ..Default::default() };
     let pull = Gravitation { g, softening: 2.0 * DUST, theta: 0.7 };
-    Start::new(particles, settings).with(Influence::Gravitation(pull))
+    Ok(Start::new(particles, settings).with(Influence::Gravitation(pull)))
 }

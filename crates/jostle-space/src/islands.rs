@@ -142,7 +142,7 @@ mod tests {
     /// Sets by brute force.
     fn slowly(boxes: &[[[f64; 2]; 2]]) -> DisjointSets {
         let mut sets = DisjointSets::default();
-        sets.reset(boxes.len());
+        sets.reset(boxes.len()).unwrap();
         for (i, a) in boxes.iter().enumerate() {
             for (j, b) in boxes.iter().enumerate() {
                 if (0..2).all(|axis| a[0][axis] <= b[1][axis] && b[0][axis] <= a[1][axis]) {
@@ -169,7 +169,7 @@ mod tests {
                 })
                 .collect();
             let mut sets = DisjointSets::default();
-            sets.reset(boxes.len());
+            sets.reset(boxes.len()).unwrap();
             join_overlapping(&mut sets, &boxes).unwrap();
             let mut exact = slowly(&boxes);
             for row in 0..200 {

@@ -36,7 +36,7 @@ impl<T: Scalar> SlideCall<'_, T> {
         let may_meet = len > 1 && (0..len).any(|row| self.is_obstacle(row));
         let rows = if may_meet { len } else { 0 };
         let mut regions = memory::collect((0..rows).map(|row| self.region(row)))?;
-        let mut sets = self.stacked();
+        let mut sets = self.stacked()?;
         loop {
             self.join_meeting(&mut sets, &regions)?;
             let islands = Islands::of(&mut sets, self.walkers.len())?;
@@ -84,7 +84,7 @@ impl<T: Scalar> SlideCall<'_, T> {
             }
         }
         let mut images = DisjointSets::default();
-        images.reset(boxes.len());
+        images.reset(boxes.len())?;
         join_overlapping(&mut images, &boxes)?;
         (0..boxes.len()).for_each(|image| {
             let root = images.root(image as u32);
@@ -120,16 +120,16 @@ impl<T: Scalar> SlideCall<'_, T> {
     }
 
     /// The sets of the walkers that stand on each other.
-    fn stacked(&self) -> DisjointSets {
+    fn stacked(&self) -> Result<DisjointSets> {
         let len = self.walkers.len();
         let mut sets = DisjointSets::default();
-        sets.reset(len);
+        sets.reset(len)?;
         for row in 0..len {
             if let Some(floor) = self.moving_floor(row) {
                 sets.join(row as u32, floor);
             }
         }
-        sets
+        Ok(sets)
     }
 
     /// A box that contains all positions that a shape may take or has had since the last motions of

@@ -6,6 +6,8 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use crate::particles::{Particles, Spin};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_index::period::Period;
 
 /// The state of a particle during a step.
@@ -87,16 +89,16 @@ pub struct Motions {
 
 impl Motions {
     /// Resizes to `len` motions; their values are unspecified. Displacements are 0, if any are kept.
-    pub fn resize(&mut self, len: usize, keeps_displacements: bool) {
+    pub fn resize(&mut self, len: usize, keeps_displacements: bool) -> Result<()> {
         let Self { positions, residuals, velocities, displacements } = self;
         // The spare row lets blocks gather all sixteen lanes without a test: unused lanes read
         // zeros.
         for column in [positions, residuals, velocities] {
-            column.resize_with_spare(len);
+            column.resize_with_spare(len)?;
         }
         // First to 0, because `resize` gives a value only to new vectors.
-        displacements.resize(0);
-        displacements.resize(if keeps_displacements { len } else { 0 });
+        displacements.resize(0)?;
+        displacements.resize(if keeps_displacements { len } else { 0 })
     }
 
     /// The motion of the particle at `index`.
@@ -188,14 +190,15 @@ pub struct Vectors(Vec<AtomicU64>);
 
 impl Vectors {
     /// Resizes to `len` vectors; new ones are 0.
-    pub fn resize(&mut self, len: usize) {
-        self.0.resize_with(len, Default::default);
+    pub fn resize(&mut self, len: usize) -> Result<()> {
+        memory::resize_default(&mut self.0, len)
     }
 
     /// Resizes to `len` vectors and one more, which is 0, for the lanes of blocks without a contact.
-    pub fn resize_with_spare(&mut self, len: usize) {
-        self.resize(len + 1);
+    pub fn resize_with_spare(&mut self, len: usize) -> Result<()> {
+        self.resize(len + 1)?;
         self.set(len as u32, [0.0; 2]);
+        Ok(())
     }
 
     /// The vector of the particle at `index`.
@@ -230,13 +233,14 @@ pub struct Spins(Vec<Turning>);
 
 impl Spins {
     /// Replaces all of them.
-    pub fn fill(&mut self, spins: &[Spin]) {
-        self.0.resize_with(spins.len(), Default::default);
+    pub fn fill(&mut self, spins: &[Spin]) -> Result<()> {
+        memory::resize_default(&mut self.0, spins.len())?;
         for (turning, spin) in self.0.iter_mut().zip(spins) {
             // Exclusive access here, so no atomic operation is needed.
             (*turning.0.get_mut(), *turning.1.get_mut()) =
                 (spin.velocity.to_bits(), spin.angle.to_bits());
         }
+        Ok(())
     }
 
     /// Whether no disc turns or has friction.
@@ -282,8 +286,8 @@ pub struct Scalars(Vec<AtomicU64>);
 
 impl Scalars {
     /// Resizes to `len` numbers; new ones are 0.
-    pub fn resize(&mut self, len: usize) {
-        self.0.resize_with(len, Default::default);
+    pub fn resize(&mut self, len: usize) -> Result<()> {
+        memory::resize_default(&mut self.0, len)
     }
 
     /// The number of the particle at `index`; 0 if there is none.

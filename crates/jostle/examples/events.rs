@@ -46,7 +46,7 @@ fn main() {
 }
 
 fn step(world: &mut World) {
-    world.begin_record();
+    world.begin_record().unwrap();
     world.step(STEP, 1).expect("a step succeeds");
     world.end_record().expect("few pairs touch");
 }

@@ -68,7 +68,8 @@ fn world(mut centers: Vec<[f32; 2]>, width: f32) -> World {
 }
 
 fn measure(mut world: World, count: usize) {
-    let asleep = |world: &World| world.bodies().asleep().iter().filter(|&&asleep| asleep).count();
+    let asleep =
+        |world: &World| world.bodies().asleep().unwrap().iter().filter(|&&asleep| asleep).count();
     let seconds = time(&mut world, 1);
     println!("  awake: {:9.1} ns a disc and step", per_disc(seconds, count));
     let mut steps = 1;
@@ -89,8 +90,8 @@ fn measure(mut world: World, count: usize) {
         per_disc(seconds, count),
         seconds * 1e3,
     );
-    let bytes = world.snapshot().len();
-    let restored = World::restore(&world.snapshot()).expect("its own snapshot");
+    let bytes = world.snapshot().unwrap().len();
+    let restored = World::restore(&world.snapshot().unwrap()).expect("its own snapshot");
     println!("  {:.0} bytes a disc in a snapshot", bytes as f64 / count as f64);
     drop(world);
     let mut world = restored;

@@ -13,7 +13,7 @@ fn main() {
         world.step(STEP, 10).expect("a scene can be stepped");
         let mut times: Vec<[f64; 2]> = (0..9).map(|_| times(&world)).collect();
         times.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let bytes = world.snapshot().len();
+        let bytes = world.snapshot().unwrap().len();
         let [save, restore] = times[times.len() / 2];
         println!(
             "{:5} {count:8}: {bytes:9} bytes, saved in {save:7.3} ms, restored in {restore:7.3} ms",
@@ -24,7 +24,7 @@ fn main() {
 
 fn times(world: &World) -> [f64; 2] {
     let start = Instant::now();
-    let bytes = world.snapshot();
+    let bytes = world.snapshot().unwrap();
     let saved = start.elapsed();
     let again = World::restore(&bytes).expect("a snapshot can be restored");
     let restored = start.elapsed() - saved;

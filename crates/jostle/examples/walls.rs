@@ -61,7 +61,7 @@ fn main() {
         );
         // Walls make discs collide more often, which no implementation can avoid.
         let [alone, among] = both.each_mut().map(|world| {
-            world.begin_record();
+            world.begin_record().unwrap();
             step(world, 1);
             world.record().collisions()
         });

@@ -93,13 +93,13 @@ fn to_read_or_change_one_particle_copies_no_columns() {
             world.read(&[7, 12_345]).unwrap();
         });
         assert!(bytes < 4096, "{name}: {bytes} bytes");
-        assert_eq!(world.bodies().velocities()[7], [0.5, 0.25]);
+        assert_eq!(world.bodies().velocities().unwrap()[7], [0.5, 0.25]);
         // The column of friction is made when it is first needed.
         world.set(&[7], &heavier).unwrap();
         let bytes = allocated_bytes(|| world.set(&[12_345], &heavier).unwrap());
         assert!(bytes < 4096, "{name}: {bytes} bytes");
         assert_eq!(
-            [7, 12_345, 8].map(|row: usize| world.bodies().friction()[row]),
+            [7, 12_345, 8].map(|row: usize| world.bodies().friction().unwrap()[row]),
             [0.125, 0.125, 0.0]
         );
     }
@@ -160,13 +160,13 @@ fn a_step_near_sleepers_allocates_nothing() {
     };
     let mut world = world_of(discs((0..150).map(at).collect()), settings);
     world.step(STEP, 120).unwrap();
-    assert_eq!(world.bodies().asleep().iter().filter(|asleep| **asleep).count(), 150);
+    assert_eq!(world.bodies().asleep().unwrap().iter().filter(|asleep| **asleep).count(), 150);
     // Kinematic discs move above them, more than those whose tree debug builds check.
     let mut more = discs((0..600).map(|k: u16| [f32::from(k) * 0.6, 4.0]).collect());
     more.velocities.fill([0.5, 0.0]);
     more.movable.fill(false);
     world.add(more).unwrap();
     world.step(STEP, 150).unwrap();
-    assert_eq!(world.bodies().asleep().iter().filter(|asleep| **asleep).count(), 150);
+    assert_eq!(world.bodies().asleep().unwrap().iter().filter(|asleep| **asleep).count(), 150);
     assert_eq!(allocations(|| world.step(STEP, 60).unwrap()), 0);
 }

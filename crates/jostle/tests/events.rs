@@ -12,13 +12,13 @@ pub type Pairs = BTreeSet<[Id; 2]>;
 
 /// One call of `step` as Python makes it.
 fn call(world: &mut World, steps: usize) {
-    world.begin_record();
+    world.begin_record().unwrap();
     world.step(STEP, steps).expect("a step succeeds");
     world.end_record().expect("few pairs touch");
 }
 
 fn events(world: &World) -> TouchEvents {
-    world.events().expect("they are tracked")
+    world.events().unwrap().expect("they are tracked")
 }
 
 fn tracked(settings: WorldSettings) -> WorldSettings {
@@ -62,8 +62,11 @@ fn all_settings(side: f32) -> Vec<WorldSettings> {
 /// The pairs of ids whose surfaces have at most the gap at which they touch, and those that clearly
 /// touch: with at most a share of that gap.
 pub fn touching_by_brute_force(world: &World, surely: f64) -> [Pairs; 2] {
-    let (all, ids, container) =
-        (world.bodies().particles(), world.bodies().ids(), world.settings().container);
+    let (all, ids, container) = (
+        world.bodies().particles().unwrap(),
+        world.bodies().ids().unwrap(),
+        world.settings().container,
+    );
     let mut found = [Pairs::new(), Pairs::new()];
     let exact =
         |row: usize, k: usize| f64::from(all.positions[row][k]) + f64::from(all.residuals[row][k]);
@@ -115,7 +118,7 @@ struct Seen {
 /// Compares the events of a call with the pairs that touch before it and at its end, and with those
 /// of the contacts of each of its steps, which a copy makes. Returns those at the end.
 fn follow(world: &mut World, before: &Pairs, steps: usize, seen: &mut Seen) -> Pairs {
-    let mut copy = World::restore(&world.snapshot()).expect("it was saved");
+    let mut copy = World::restore(&world.snapshot().unwrap()).expect("it was saved");
     let mut during = Pairs::new();
     let bounces = world.settings().on_touch == OnTouch::Bounce;
     for _ in 0..steps {
@@ -180,7 +183,7 @@ fn events_are_those_of_a_model() {
             for _ in 0..12 {
                 let steps = random.between(0.0, 6.0) as usize;
                 before = follow(&mut world, &before, steps, &mut seen);
-                let ids = world.bodies().ids();
+                let ids = world.bodies().ids().unwrap();
                 let one = ids[random.between(0.0, ids.len() as f32) as usize];
                 world.remove(&[one]).expect("it exists");
                 world.add(crowd(1, 12.0, one as u64)).expect("it fits");
@@ -261,7 +264,7 @@ fn tracking_changes_no_bit() {
         let hash = |settings| {
             let mut world = world_of(crowd(300, 30.0, 3), settings);
             call(&mut world, 30);
-            world.state_hash()
+            world.state_hash().unwrap()
         };
         assert_eq!(hash(WorldSettings { track_events: false, ..settings }), hash(settings));
     }
@@ -312,7 +315,7 @@ fn sleeping_pairs_stay_until_something_parts_them() {
         assert!(entered.is_empty() && left.is_empty(), "{entered:?} {left:?}");
         assert_eq!(set(&stayed), touching);
     }
-    assert!(world.bodies().asleep().iter().all(|&asleep| asleep));
+    assert!(world.bodies().asleep().unwrap().iter().all(|&asleep| asleep));
     world
         .edit_rows(&[8], |all| {
             all.velocities[0] = [0.0, 9.0];
@@ -331,14 +334,17 @@ fn sleeping_pairs_stay_until_something_parts_them() {
 fn pairs_that_touch_asleep_are_found_when_tracking_begins() {
     let mut world = pile(false);
     call(&mut world, 60);
-    assert!(world.bodies().asleep().iter().all(|&asleep| asleep));
-    assert_eq!(world.events(), None);
+    assert!(world.bodies().asleep().unwrap().iter().all(|&asleep| asleep));
+    assert_eq!(world.events().unwrap(), None);
     world.configure(tracked(*world.settings())).expect("valid");
-    assert!(world.bodies().asleep().iter().all(|&asleep| asleep), "tracking wakes nothing");
+    assert!(
+        world.bodies().asleep().unwrap().iter().all(|&asleep| asleep),
+        "tracking wakes nothing"
+    );
     call(&mut world, 1);
     assert_eq!(events(&world).entered.len(), 8);
     world.configure(WorldSettings { track_events: false, ..*world.settings() }).expect("valid");
-    assert_eq!(world.events(), None);
+    assert_eq!(world.events().unwrap(), None);
 }
 
 #[test]
@@ -361,7 +367,7 @@ fn an_undone_step_leaves_no_events_and_no_collisions() {
         1.0,
     );
     let mut world = world_of(discs, tracked(WorldSettings::default()));
-    world.begin_record();
+    world.begin_record().unwrap();
     assert!(world.step(1e3, 1).is_err());
     world.end_record().expect("few");
     assert_eq!((events(&world), world.record().collisions()), Default::default());
@@ -372,7 +378,7 @@ fn a_snapshot_contains_the_record() {
     for settings in all_settings(30.0) {
         let mut world = world_of(crowd(200, 30.0, 2), settings);
         call(&mut world, 4);
-        let mut copy = World::restore(&world.snapshot()).expect("it was saved");
+        let mut copy = World::restore(&world.snapshot().unwrap()).expect("it was saved");
         assert_eq!(events(&copy), events(&world));
         assert_eq!(copy.record().collisions(), world.record().collisions());
         call(&mut world, 4);
@@ -394,10 +400,10 @@ fn collisions_count_pairs_and_walls_of_all_substeps() {
         let settings =
             WorldSettings { container, substeps: Some(substeps), ..WorldSettings::default() };
         let mut world = world_of(discs, settings);
-        world.begin_record();
+        world.begin_record().unwrap();
         world.step(5.0, 2).expect("a step succeeds");
         assert_eq!(world.record().collisions(), Collisions { pairs: 3, walls: 2 });
-        world.begin_record();
+        world.begin_record().unwrap();
         assert_eq!(world.record().collisions(), Collisions::default());
     }
 }
@@ -406,7 +412,7 @@ fn collisions_count_pairs_and_walls_of_all_substeps() {
 #[test]
 fn records_without_steps_keep_nothing() {
     let mut world = world_of(crowd(5, 40.0, 11), tracked(WorldSettings::default()));
-    (0..300_000).for_each(|_| world.begin_record());
+    (0..300_000).for_each(|_| world.begin_record().unwrap());
     world.step(0.1, 1).expect("a step succeeds");
     world.end_record().expect("few pairs touch");
 }
@@ -461,7 +467,7 @@ fn discs_that_pass_through_each_other_in_a_step_touch() {
         let base = WorldSettings { on_touch, gravity, container, ..WorldSettings::default() };
         let settings = tracked(base);
         let mut world = world_of(all.clone(), settings);
-        world.begin_record();
+        world.begin_record().unwrap();
         world.step(0.2, 1).expect("a step succeeds");
         world.end_record().expect("few pairs touch");
         let found = set(&events(&world).entered);
@@ -488,7 +494,8 @@ fn sensors_change_no_motion() {
     for world in [&mut alone, &mut both] {
         call(world, 60);
     }
-    let (expected, found) = (alone.bodies().particles(), both.bodies().particles());
+    let (expected, found) =
+        (alone.bodies().particles().unwrap(), both.bodies().particles().unwrap());
     for (a, b) in expected.positions.iter().zip(&found.positions) {
         assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-3), "{a:?} {b:?}");
     }
@@ -516,7 +523,7 @@ fn contacts_tell_what_touches_a_sensor() {
         let contacts = world.contacts().expect("few");
         assert_eq!(contacts.iter().map(|touch| touch.pair).collect::<Vec<_>>(), [[0, 1]]);
         assert_eq!((contacts[0].normal_impulse, contacts[0].normal), (0.0, [1.0, 0.0]));
-        assert_eq!((world.len(), world.bodies().velocities()[1]), (3, [0.5, 0.0]));
+        assert_eq!((world.len(), world.bodies().velocities().unwrap()[1]), (3, [0.5, 0.0]));
         assert_eq!(events(&world).entered, [[0, 1]]);
     }
 }
@@ -536,12 +543,12 @@ fn a_sensor_over_a_pile_lets_it_sleep_unless_it_moves() {
             touching = [entered, stayed].concat();
         }
         assert_eq!(touching.iter().filter(|pair| pair[1] == id).count(), 6);
-        let asleep = world.bodies().asleep().iter().filter(|&&asleep| asleep).count();
+        let asleep = world.bodies().asleep().unwrap().iter().filter(|&&asleep| asleep).count();
         assert_eq!(asleep, if speed == 0.0 { 12 } else { 6 });
-        let copy = World::restore(&world.snapshot()).expect("it was saved");
+        let copy = World::restore(&world.snapshot().unwrap()).expect("it was saved");
         assert_eq!(
-            (copy.bodies().sensors(), events(&copy)),
-            (world.bodies().sensors(), events(&world))
+            (copy.bodies().sensors().unwrap(), events(&copy)),
+            (world.bodies().sensors().unwrap(), events(&world))
         );
     }
 }

@@ -93,7 +93,7 @@ fn accelerations(
     };
     let mut found = Vec::new();
     let influences = Influences::from(vec![Influence::Gravitation(gravitation)]);
-    influences.accelerate(&bodies, &mut forces::Scratch::default(), &mut found);
+    influences.accelerate(&bodies, &mut forces::Scratch::default(), &mut found).unwrap();
     found
 }
 
@@ -205,7 +205,7 @@ fn orbit_error(softer: f32, angle: f32) -> f64 {
     let steps = 250 * 100; // of four sub-steps
     run_for(&mut world, 100.0 * period / steps as f64, steps);
     assert!(world.momentum().iter().all(|p| p.abs() < 1e-4), "{:?}", world.momentum());
-    distance(world.bodies().positions()[1], start[1]) / axis
+    distance(world.bodies().positions().unwrap()[1], start[1]) / axis
 }
 
 #[test]
@@ -260,15 +260,15 @@ fn a_harmonic_attractor_swings_with_its_period() {
         forced(bodies, vec![attractor(pole, 4.0, Law::Harmonic)], WorldSettings::default());
     run_for(&mut world, PI / 2.0 / 100.0, 100); // half a period of 2π / √4
     assert!(
-        distance(world.bodies().positions()[0], [-1.0, 1.0]) < 1e-3,
+        distance(world.bodies().positions().unwrap()[0], [-1.0, 1.0]) < 1e-3,
         "{:?}",
-        world.bodies().positions()
+        world.bodies().positions().unwrap()
     );
     run_for(&mut world, PI / 2.0 / 100.0, 100);
     assert!(
-        distance(world.bodies().positions()[0], [3.0, 1.0]) < 1e-3,
+        distance(world.bodies().positions().unwrap()[0], [3.0, 1.0]) < 1e-3,
         "{:?}",
-        world.bodies().positions()
+        world.bodies().positions().unwrap()
     );
 }
 
@@ -280,9 +280,9 @@ fn an_inverse_square_attractor_holds_an_orbit() {
     let mut world = forced(bodies, forces, WorldSettings::default());
     run_for(&mut world, 4.0 * PI / 200.0, 200 * 10);
     assert!(
-        distance(world.bodies().positions()[0], [2.0, 0.0]) < 0.02,
+        distance(world.bodies().positions().unwrap()[0], [2.0, 0.0]) < 0.02,
         "{:?}",
-        world.bodies().positions()
+        world.bodies().positions().unwrap()
     );
 }
 
@@ -295,9 +295,9 @@ fn nothing_is_flung_out_of_an_inverse_square_attractor() {
     for _ in 0..500 {
         run_for(&mut world, 0.01, 1);
         assert!(
-            distance(world.bodies().positions()[0], [0.0, 0.0]) < 1.05,
+            distance(world.bodies().positions().unwrap()[0], [0.0, 0.0]) < 1.05,
             "{:?}",
-            world.bodies().positions()
+            world.bodies().positions().unwrap()
         );
     }
 }
@@ -319,11 +319,11 @@ fn an_attractor_follows_its_particle_and_goes_with_it() {
     );
     world.remove(&[0]).expect("it is there");
     let poles = [1, 2].map(|id| attractor(Pole::Particle(id), 1.0, Law::Harmonic));
-    assert_eq!(world.forces(), poles);
+    assert_eq!(world.forces().unwrap(), poles);
     world.remove(&[2]).expect("it is there");
-    assert_eq!(world.forces(), &poles[..1]);
+    assert_eq!(world.forces().unwrap(), &poles[..1]);
     run_for(&mut world, 0.5, 2);
-    assert_eq!(world.bodies().positions(), [[1.0, 0.0]]); // its own attractor does not move it
+    assert_eq!(world.bodies().positions().unwrap(), [[1.0, 0.0]]); // its own attractor does not move it
 }
 
 // ---- springs -------------------------------------------------------------------------------------
@@ -331,10 +331,10 @@ fn an_attractor_follows_its_particle_and_goes_with_it() {
 /// Seconds between the first two upward crossings of `middle` by the end's x.
 fn period(world: &mut World, row: usize, middle: f32, dt: f64) -> f64 {
     let mut crossings = Vec::new();
-    let mut last = world.bodies().positions()[row][0];
+    let mut last = world.bodies().positions().unwrap()[row][0];
     while crossings.len() < 11 {
         run_for(world, dt, 1);
-        let now = world.bodies().positions()[row][0];
+        let now = world.bodies().positions().unwrap()[row][0];
         if last < middle && now >= middle {
             crossings.push(world.time() - dt * f64::from((now - middle) / (now - last)));
         }
@@ -386,7 +386,8 @@ fn stiff_springs_stay_bounded() {
         assert!(world.kinetic_energy() < energy, "{stiffness}: {}", world.kinetic_energy());
         let momentum = world.momentum();
         assert!((momentum[0] - 30.0).abs() < 0.01 && (momentum[1] - 10.0).abs() < 0.01);
-        let [a, b] = [world.bodies().positions()[0], world.bodies().positions()[99]];
+        let [a, b] =
+            [world.bodies().positions().unwrap()[0], world.bodies().positions().unwrap()[99]];
         assert!(distance(a, b) < 40.0, "{stiffness}: {a:?} {b:?}");
     }
 }
@@ -403,10 +404,10 @@ fn a_spring_breaks_where_it_is_stretched_too_far() {
             forced(bodies, vec![Influence::Springs(Springs(vec![tie]))], WorldSettings::default());
         run_for(&mut world, 0.01, 1000);
         assert_eq!(
-            world.forces(),
+            world.forces().unwrap(),
             [Influence::Springs(Springs(if breaks { vec![] } else { vec![tie] }))]
         );
-        assert_eq!(world.bodies().positions()[1][0] > 2.0, breaks);
+        assert_eq!(world.bodies().positions().unwrap()[1][0] > 2.0, breaks);
     }
 }
 
@@ -429,7 +430,7 @@ fn a_step_does_not_depend_on_springs_that_were_removed() {
     run(&mut world, 1);
     run(&mut again, 1);
     assert_eq!(world.stats().substeps, 1);
-    assert_eq!(world.state_hash(), again.state_hash());
+    assert_eq!(world.state_hash().unwrap(), again.state_hash().unwrap());
 }
 
 #[test]
@@ -439,7 +440,10 @@ fn a_spring_goes_with_either_end() {
     let mut world =
         forced(bodies, vec![Influence::Springs(Springs(ties))], WorldSettings::default());
     world.remove(&[3, 0]).expect("they are there");
-    assert_eq!(world.forces(), [Influence::Springs(Springs(vec![spring([4, 2], 1.0, 1.0)]))]);
+    assert_eq!(
+        world.forces().unwrap(),
+        [Influence::Springs(Springs(vec![spring([4, 2], 1.0, 1.0)]))]
+    );
     run_for(&mut world, 0.1, 10);
 }
 
@@ -451,7 +455,7 @@ fn springs_reach_over_the_seam_of_a_torus() {
     let tie = Spring { damping: 2.0, ..spring([0, 1], 1.0, 5.0) };
     let mut world = forced(bodies, vec![Influence::Springs(Springs(vec![tie]))], settings);
     run_for(&mut world, 0.05, 400);
-    let [a, b] = [world.bodies().positions()[0], world.bodies().positions()[1]];
+    let [a, b] = [world.bodies().positions().unwrap()[0], world.bodies().positions().unwrap()[1]];
     assert!((a[0] - 0.5).abs() < 1e-3 && (b[0] - 9.5).abs() < 1e-3, "{a:?} {b:?}");
 }
 
@@ -475,12 +479,12 @@ fn a_thermostat_reaches_its_speed() {
         let alone = particles(vec![[0.0, 0.0]], vec![[0.3, 0.1]], vec![1.0]);
         let mut world = forced(alone, forces.clone(), settings);
         run_for(&mut world, 0.1, 10_000);
-        let [x, y] = world.bodies().velocities()[0].map(f64::from);
+        let [x, y] = world.bodies().velocities().unwrap()[0].map(f64::from);
         let speed = (x * x + y * y).sqrt();
         assert!((speed - 3.0).abs() < 1e-3, "{speed} in {container:?}");
         let mut gas = forced(gas(200), forces, settings);
         run_for(&mut gas, 0.05, 4000);
-        let mass: f32 = gas.bodies().masses().iter().sum();
+        let mass: f32 = gas.bodies().masses().unwrap().iter().sum();
         let speed = (2.0 * gas.kinetic_energy() / f64::from(mass)).sqrt();
         println!("a gas has the speed {speed:.3} in {container:?}");
         assert!((2.0..4.5).contains(&speed), "{speed} in {container:?}");
@@ -491,7 +495,7 @@ fn a_thermostat_reaches_its_speed() {
 
 /// The largest change of the total energy in 1,000 steps, over the kinetic energy at its most.
 fn drift(world: &mut World, dt: f64) -> f64 {
-    let total = |world: &World| world.kinetic_energy() + world.potential_energy();
+    let total = |world: &World| world.kinetic_energy() + world.potential_energy().unwrap();
     let (first, mut most, mut worst) = (total(world), 0.0f64, 0.0f64);
     for _ in 0..1000 {
         run_for(world, dt, 1);
@@ -538,7 +542,7 @@ fn potentials_follow_their_formulas() {
         let mut bodies = particles(positions.to_vec(), vec![[0.0; 2]; len], masses);
         bodies.radii = vec![radius; len];
         let settings = inside(container);
-        forced(bodies, forces, settings).potential_energy()
+        forced(bodies, forces, settings).potential_energy().unwrap()
     };
     let near = |found: f64, expected: f64| {
         assert!((found - expected).abs() < 1e-6 * expected.abs(), "{found} for {expected}");
@@ -575,6 +579,7 @@ fn many_bodies_have_the_energy_of_the_sum_over_all() {
             let pull = Gravitation { softening, ..gravitation(theta) };
             forced(bodies, vec![Influence::Gravitation(pull)], WorldSettings::default())
                 .potential_energy()
+                .unwrap()
         };
         let (tree, direct) = (of(0.5), of(0.0));
         println!("{tree} for {direct}");
@@ -634,7 +639,7 @@ fn threads_and_methods_do_not_show() {
             let mut world =
                 forced(crowd_of(count, radius), all_forces(count as u32, |i| i), settings);
             run_for(&mut world, dt, steps);
-            world.state_hash()
+            world.state_hash().unwrap()
         };
         // Enough to wake other threads.
         let many = |threads| hash(13_000, (0.0002, 1), Some(threads), Method::Quadtree);
@@ -662,7 +667,8 @@ fn the_order_of_adding_does_not_show() {
             forced(shuffled, all_forces(count as u32, |i| row_of[i as usize]), settings);
         run_for(&mut first, 0.01, 10);
         run_for(&mut second, 0.01, 10);
-        let (first, second) = (first.bodies().particles(), second.bodies().particles());
+        let (first, second) =
+            (first.bodies().particles().unwrap(), second.bodies().particles().unwrap());
         let back = gathered(&second, &row_of);
         assert!(back == first, "{count} in {container:?}");
     }
@@ -674,18 +680,18 @@ fn many_steps_in_one_call_are_the_same() {
     let (mut once, mut often) = (make(), make());
     run_for(&mut once, 0.01, 20);
     (0..20).for_each(|_| run_for(&mut often, 0.01, 1));
-    assert_eq!(once.state_hash(), often.state_hash());
+    assert_eq!(once.state_hash().unwrap(), often.state_hash().unwrap());
 }
 
 #[test]
 fn forces_can_be_taken_away() {
     let mut world = forced(crowd(500), all_forces(500, |i| i), WorldSettings::default());
     run_for(&mut world, 0.01, 5);
-    let mut without = world_of(world.bodies().particles(), *world.settings());
+    let mut without = world_of(world.bodies().particles().unwrap(), *world.settings());
     world.set_forces(Vec::new()).expect("none is fine");
     run_for(&mut world, 0.01, 1);
     run_for(&mut without, 0.01, 1);
-    assert_eq!(world.state_hash(), without.state_hash());
+    assert_eq!(world.state_hash().unwrap(), without.state_hash().unwrap());
 }
 
 // ---- refusals ------------------------------------------------------------------------------------
@@ -709,7 +715,7 @@ fn what_cannot_be_is_refused_by_name() {
     for (forces, said) in wrong {
         let error = world.set_forces(forces).expect_err(said).to_string();
         assert!(error.starts_with(said), "{error}");
-        assert!(world.forces().is_empty());
+        assert!(world.forces().unwrap().is_empty());
     }
 }
 
@@ -722,7 +728,7 @@ fn a_step_too_long_for_the_forces_is_refused() {
         let mut world = forced(bodies.clone(), vec![force], WorldSettings::default());
         let error = world.step(1e20, 1).expect_err("too long").to_string();
         assert!(error.contains("forces would move particle "), "{error}");
-        assert_eq!(world.bodies().positions(), bodies.positions);
+        assert_eq!(world.bodies().positions().unwrap(), bodies.positions);
         run_for(&mut world, 0.01, 1);
     }
 }

@@ -167,7 +167,7 @@ fn state(base: &Base, extra: Option<(Particles, Vec<Wall>)>) -> Vec<u64> {
     }
     let mut world = walled(particles, walls, base.settings);
     world.step(base.dt, base.steps).expect("a step succeeds");
-    let all = world.bodies().particles();
+    let all = world.bodies().particles().unwrap();
     let numbers = |all: &[[f32; 2]]| {
         all[..count].iter().flatten().map(|v| u64::from(v.to_bits())).collect::<Vec<u64>>()
     };
@@ -285,7 +285,7 @@ fn what_touches_nothing_wakes_no_pile() {
     let count_asleep = |base: &Base| {
         let mut world = walled(base.particles.clone(), base.walls.clone(), base.settings);
         world.step(base.dt, base.steps).expect("a step succeeds");
-        world.bodies().asleep().iter().filter(|asleep| **asleep).count()
+        world.bodies().asleep().unwrap().iter().filter(|asleep| **asleep).count()
     };
     assert!(bases.iter().map(count_asleep).sum::<usize>() > 20);
     check(bases.into_iter());

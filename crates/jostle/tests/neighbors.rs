@@ -64,7 +64,7 @@ impl State {
         };
         let mut found = Vec::new();
         let influences = Influences::from(vec![force.clone()]);
-        influences.accelerate(&bodies, &mut forces::Scratch::default(), &mut found);
+        influences.accelerate(&bodies, &mut forces::Scratch::default(), &mut found).unwrap();
         found
     }
 
@@ -272,7 +272,7 @@ fn fluid(side: usize) -> World {
 fn a_lennard_jones_fluid_conserves_energy_and_momentum() {
     let mut world = fluid(10);
     assert_eq!(world.substeps(), 1);
-    let energy = |world: &World| world.kinetic_energy() + world.potential_energy();
+    let energy = |world: &World| world.kinetic_energy() + world.potential_energy().unwrap();
     let (start, momentum) = (energy(&world), world.momentum());
     let kinetic = world.kinetic_energy();
     assert!(start.abs() > 0.5 * kinetic, "the energy {start} is too small for a relative error");
@@ -296,7 +296,7 @@ fn two_particles_oscillate_with_the_period_of_theory() {
     world.set_forces(vec![lennard_jones()]).unwrap();
     let period = std::f64::consts::TAU / (57.1464f64 * 2.0).sqrt();
     world.step(period / 1000.0, 500).unwrap();
-    let [a, b] = world.bodies().positions()[..] else { unreachable!() };
+    let [a, b] = world.bodies().positions().unwrap()[..] else { unreachable!() };
     assert!(((b[0] - a[0] - minimum) / -0.002 - 1.0).abs() < 0.02, "{}", b[0] - a[0] - minimum);
 }
 
@@ -307,7 +307,7 @@ fn the_potential_is_that_of_lennard_jones() {
         world.set_forces(vec![lennard_jones()]).unwrap();
         let potential = |r: f64| 4.0 * (r.powi(-12) - r.powi(-6));
         let expected = potential(distance.into()) - potential(2.5);
-        let error = (world.potential_energy() - expected).abs();
+        let error = (world.potential_energy().unwrap() - expected).abs();
         assert!(error < 1e-3 * (1.0 + expected.abs()), "{distance}: {error}");
     }
 }
@@ -320,11 +320,18 @@ fn forces_that_are_not_mutual_have_no_potential() {
     assert!(mutual.is_reciprocal() && !chasing.is_reciprocal());
     let mut world = world(vec![[0.0; 2], [3.0, 0.0]], vec![[0.0; 2]; 2], Container::None);
     world.set_forces_and_kinds(vec![pair(mutual)], vec![0, 1]).unwrap();
-    assert!((world.potential_energy() - 2.0).abs() < 1e-9);
+    assert!((world.potential_energy().unwrap() - 2.0).abs() < 1e-9);
     world.set_forces(vec![pair(chasing)]).unwrap();
-    assert_eq!(world.potential_energy(), 0.0);
+    assert_eq!(world.potential_energy().unwrap(), 0.0);
     world.step(0.1, 10).unwrap();
-    assert!(world.bodies().velocities().iter().all(|v| (v[0] - 1.0).abs() < 1e-5 && v[1] == 0.0));
+    assert!(
+        world
+            .bodies()
+            .velocities()
+            .unwrap()
+            .iter()
+            .all(|v| (v[0] - 1.0).abs() < 1e-5 && v[1] == 0.0)
+    );
 }
 
 fn colourful(count: usize, on_touch: OnTouch) -> World {
@@ -341,18 +348,18 @@ fn colourful(count: usize, on_touch: OnTouch) -> World {
 fn kinds_stay_with_their_particles() {
     let mut world = colourful(5, OnTouch::Ignore);
     world.remove(&[1, 3]).unwrap();
-    assert_eq!(world.bodies().kinds(), [0, 2, 4]);
+    assert_eq!(world.bodies().kinds().unwrap(), [0, 2, 4]);
     let added = world.add(still(&[[50.0, 0.0]; 2], 1.0));
-    assert_eq!(world.bodies().kinds(), [0, 2, 4, 0, 0]);
+    assert_eq!(world.bodies().kinds().unwrap(), [0, 2, 4, 0, 0]);
     let ids: Vec<_> = added.unwrap().collect();
     let kinds = |kinds| Changes { kinds: Some(Each::Rows(kinds)), ..Changes::default() };
     world.set(&ids, &kinds(vec![3, 1])).unwrap();
-    assert_eq!(world.bodies().kinds(), [0, 2, 4, 3, 1]);
+    assert_eq!(world.bodies().kinds().unwrap(), [0, 2, 4, 3, 1]);
     let refused = world.set(&ids, &kinds(vec![1, 5])).unwrap_err().to_string();
     assert_eq!(refused, "kinds[1] is 5; the table has 5 kinds, from 0 to 4");
-    assert_eq!(world.bodies().kinds(), [0, 2, 4, 3, 1]);
-    let again = World::restore(&world.snapshot()).unwrap();
-    assert_eq!(again.forces(), world.forces());
+    assert_eq!(world.bodies().kinds().unwrap(), [0, 2, 4, 3, 1]);
+    let again = World::restore(&world.snapshot().unwrap()).unwrap();
+    assert_eq!(again.forces().unwrap(), world.forces().unwrap());
 }
 
 #[test]
@@ -366,7 +373,7 @@ fn a_merged_particle_has_the_kind_of_the_heaviest() {
         };
         world.edit(change).unwrap();
         world.step(0.01, 1).unwrap();
-        assert_eq!(world.bodies().kinds(), [0, 1 + heavier as u8, 3]);
+        assert_eq!(world.bodies().kinds().unwrap(), [0, 1 + heavier as u8, 3]);
     }
 }
 
@@ -376,11 +383,11 @@ fn a_snapshot_continues_with_the_same_bits() {
         let scene = jostle_scenes::find(name).unwrap();
         let mut world = scene.create(Some(300), 3).unwrap();
         world.step(1.0 / 60.0, 20).unwrap();
-        let mut again = World::restore(&world.snapshot()).unwrap();
+        let mut again = World::restore(&world.snapshot().unwrap()).unwrap();
         for world in [&mut world, &mut again] {
             world.step(1.0 / 60.0, 20).unwrap();
         }
-        assert_eq!(again.state_hash(), world.state_hash(), "{name}");
+        assert_eq!(again.state_hash().unwrap(), world.state_hash().unwrap(), "{name}");
     }
 }
 
@@ -394,7 +401,7 @@ fn coincident_particles_that_differ_in_kind_have_one_order() {
         let kinds = order.map(|k| kinds[k]).to_vec();
         world.set_forces_and_kinds(vec![any_table(4.0, 0.0)], kinds).unwrap();
         world.step(0.01, 50).unwrap();
-        let found = bits(&world.bodies().positions());
+        let found = bits(&world.bodies().positions().unwrap());
         order.map(|k| (k, found[order.iter().position(|&o| o == k).unwrap()]))
     };
     let mut first = run([0, 1, 2]);
@@ -410,7 +417,7 @@ fn a_flock_keeps_its_limits_of_speed() {
     let mut world = scene.create(Some(500), 0).unwrap();
     for _ in 0..60 {
         world.step(1.0 / 60.0, 1).unwrap();
-        for [u, v] in world.bodies().velocities() {
+        for [u, v] in world.bodies().velocities().unwrap() {
             let speed = (u * u + v * v).sqrt();
             assert!((59.99..120.01).contains(&speed), "{speed}");
         }
@@ -422,14 +429,14 @@ fn forces_that_do_not_fit_are_refused() {
     let mut world = colourful(3, OnTouch::Ignore);
     let refused = |world: &mut World, force| world.set_forces(vec![force]).unwrap_err().to_string();
     let table = || PairTable::new(1, vec![1.0, 0.0], 4.0, 0.0).unwrap();
-    let before = world.forces();
+    let before = world.forces().unwrap();
     let unknown = refused(&mut world, pair(table()));
     assert_eq!(unknown, "kinds[1] is 1; the table has 1 kind, from 0 to 0");
     let short = world.set_forces_and_kinds(vec![pair(table())], vec![0; 2]).unwrap_err();
     assert_eq!(short.to_string(), "kinds has 2 rows; it must have 3, one for each shape");
     let unknown = world.set_forces_and_kinds(vec![pair(table())], vec![0, 0, 1]).unwrap_err();
     assert_eq!(unknown.to_string(), "kinds[2] is 1; the table has 1 kind, from 0 to 0");
-    assert_eq!((world.forces(), world.bodies().kinds()), (before, vec![0, 1, 2]));
+    assert_eq!((world.forces().unwrap(), world.bodies().kinds().unwrap()), (before, vec![0, 1, 2]));
     world.set_forces_and_kinds(vec![pair(table())], vec![0; 3]).unwrap();
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });

@@ -79,12 +79,12 @@ fn check_prepared(
     let mut whole = world_of(all.clone(), settings);
     prepare(&mut whole);
     whole.step(1.0 / 60.0, steps).unwrap();
-    let (expected, rows) = (whole.bodies().particles(), whole.bodies().ids());
+    let (expected, rows) = (whole.bodies().particles().unwrap(), whole.bodies().ids().unwrap());
     let parts = on_ranks(all, settings, ranks(size), |_, mut world| {
         prepare(&mut world);
         world.step(1.0 / 60.0, steps).unwrap();
         let own = ranks::own_particles(&world).unwrap();
-        (ranks::own_records(&world), own.ids.len() - own.own)
+        (ranks::own_records(&world).unwrap(), own.ids.len() - own.own)
     });
     let mut found = 0;
     for (bytes, _) in &parts {
@@ -171,7 +171,7 @@ fn external_accelerations_have_the_bits_of_one_process() {
     let accelerate = |world: &mut World| {
         ranks::rebalance_every(world, 3);
         let acceleration = |id: Id| if id % 3 > 0 { [0.0; 2] } else { [40.0 - id as f32, 9.0] };
-        let ids = ranks::own_ids(world).0;
+        let ids = ranks::own_ids(world).unwrap().0;
         world.set_accelerations(ids.into_iter().map(acceleration).collect()).unwrap();
     };
     let merging = WorldSettings { on_touch: OnTouch::Merge, ..settings };
@@ -185,7 +185,7 @@ fn external_accelerations_have_the_bits_of_one_process() {
 #[test]
 fn an_error_of_external_accelerations_reaches_all_ranks() {
     let results = on_ranks(&gas(60), WorldSettings::default(), ranks(3), |rank, mut world| {
-        let ids = ranks::own_ids(&world).0;
+        let ids = ranks::own_ids(&world).unwrap().0;
         let worst = if rank == 1 { f32::NAN } else { 1.0 };
         world.set_accelerations(vec![[0.0, worst]; ids.len()]).map_err(|error| error.to_string())
     });
@@ -288,7 +288,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
             other => panic!("{other}"),
         };
         world.step(1e-8, 3).unwrap();
-        (named, ranks::own_records(&world))
+        (named, ranks::own_records(&world).unwrap())
     });
     let mut whole = world_of(all.clone(), settings);
     let error = whole.step(dt, 1).unwrap_err();
@@ -300,7 +300,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
     for (_, bytes) in results {
         let (own, ids) = read_records(&bytes);
         for (row, id) in ids.into_iter().enumerate() {
-            assert_eq!(own.positions[row], whole.bodies().positions()[id as usize]);
+            assert_eq!(own.positions[row], whole.bodies().positions().unwrap()[id as usize]);
         }
     }
 }
@@ -379,8 +379,8 @@ fn one_rank_has_the_bits_of_one_process_on_two_threads() {
     for world in [&mut alone, &mut one] {
         world.step(STEP, 20).unwrap();
     }
-    let (found, ids) = read_records(&ranks::own_records(&one));
-    let expected = alone.bodies().particles();
+    let (found, ids) = read_records(&ranks::own_records(&one).unwrap());
+    let expected = alone.bodies().particles().unwrap();
     assert_eq!(ids.len(), 6000);
     for (index, &id) in ids.iter().enumerate() {
         assert_eq!(found.positions[index], expected.positions[id as usize]);

@@ -164,7 +164,7 @@ impl Case {
 
     /// The gap between the surfaces, from the stored positions with their residuals.
     fn gap(&self, world: &World) -> f64 {
-        let particles = world.bodies().particles();
+        let particles = world.bodies().particles().unwrap();
         let row = |row: usize| {
             let [x, y] = *particles.positions.get(row)?;
             let [rx, ry] = particles.residuals[row];
@@ -176,8 +176,14 @@ impl Case {
     /// The velocity of approach.
     fn approach(&self, world: &World) -> f64 {
         let velocity = |row: usize| {
-            let velocity =
-                world.bodies().particles().velocities.get(row).copied().unwrap_or_default();
+            let velocity = world
+                .bodies()
+                .particles()
+                .unwrap()
+                .velocities
+                .get(row)
+                .copied()
+                .unwrap_or_default();
             let [x, y] = self.normal();
             f64::from(velocity[0]) * x + f64::from(velocity[1]) * y
         };
@@ -386,9 +392,9 @@ fn lost_on_floor(pieces: &[[[f32; 2]; 2]], speed: f32, restitution: f32) -> f64 
     let settings = WorldSettings { restitution, gravity: [0.0, -10.0], ..WorldSettings::default() };
     let mut world = walled(particles, pieces.iter().copied().map(Wall::new).collect(), settings);
     world.step(1.0 / 60.0, (48.0 / f64::from(speed) * 60.0) as usize).expect("steps succeed");
-    let [x, y] = world.bodies().particles().positions[0];
+    let [x, y] = world.bodies().particles().unwrap().positions[0];
     assert!(x > 45.0 && (0.99..1.2).contains(&y), "the disc is at ({x}, {y})");
-    1.0 - f64::from(world.bodies().particles().velocities[0][0] / speed)
+    1.0 - f64::from(world.bodies().particles().unwrap().velocities[0][0] / speed)
 }
 
 /// Pieces of 0.25 radii, 190 joints.
@@ -453,7 +459,7 @@ fn many_scales() {
         let mut world = case.world();
         for _ in 0..100_000 {
             case.step(&mut world);
-            let [x, y] = world.bodies().positions()[0].map(|v| f64::from(v) - case.place);
+            let [x, y] = world.bodies().positions().unwrap()[0].map(|v| f64::from(v) - case.place);
             // It has bounced away, or rolled off a small disc.
             if x.abs().max(y.abs()) > 20.0 + 0.01 * case.place {
                 break;

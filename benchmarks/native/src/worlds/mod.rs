@@ -51,10 +51,11 @@ impl Start {
         let Container::Box { min, max } = settings.container else {
             panic!("the engines compared know only boxes");
         };
+        let bodies = world.bodies();
         Self {
-            positions: world.positions(),
-            velocities: world.velocities(),
-            radii: world.radii(),
+            positions: bodies.positions().expect("memory"),
+            velocities: bodies.velocities().expect("memory"),
+            radii: bodies.radii().expect("memory"),
             walls: [min[0], min[1], max[0], max[1]],
             gravity: settings.gravity,
             restitution: settings.restitution,

@@ -33,6 +33,7 @@ impl Engine for Ours {
     }
 
     fn state(&mut self) -> State {
-        (self.0.positions(), self.0.velocities())
+        let bodies = self.0.bodies();
+        (bodies.positions().expect("memory"), bodies.velocities().expect("memory"))
     }
 }

@@ -16,6 +16,8 @@ mod team;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::error::Result;
+use crate::memory;
 pub use member::Member;
 use sync::{AtomicUsize, Ordering};
 #[cfg(feature = "parallel")]
@@ -102,12 +104,39 @@ pub fn for_each<T: Send>(
     {
         // Each task takes its item out of its own lock. So an item need not be `Sync`, and may be a
         // mutable slice.
-        let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
-        let act = |index: usize| locked(&items[index]).take().into_iter().for_each(&act);
-        return team.share(items.len(), &act);
+        let (listed, rest) = listed(items);
+        let each = |index: usize| locked(&listed[index]).take().into_iter().for_each(&act);
+        team.share(listed.len(), &each);
+        return rest.for_each(act);
     }
     let _ = threads;
     items.for_each(act);
+}
+
+/// The items in a lock each, and those for which there is no memory, which the caller takes itself.
+fn listed<T, I: Iterator<Item = T>>(mut items: I) -> (Vec<Mutex<Option<T>>>, I) {
+    let mut listed = Vec::new();
+    while memory::reserve(&mut listed, 1).is_ok()
+        && let Some(item) = items.next()
+    {
+        listed.push(Mutex::new(Some(item)));
+    }
+    (listed, items)
+}
+
+/// As [`for_each`]; returns an error of one of the items. The others are processed as well.
+pub fn try_for_each<T: Send>(
+    threads: Option<usize>,
+    items: impl Iterator<Item = T>,
+    act: impl Fn(T) -> Result<()> + Sync + Send,
+) -> Result<()> {
+    let failed = Mutex::new(Ok(()));
+    for_each(threads, items, |item| {
+        if let Err(error) = act(item) {
+            *locked(&failed) = Err(error);
+        }
+    });
+    failed.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// As [`for_each`], with a state for each thread, made by `make` and finally passed to `end`. With
@@ -124,11 +153,14 @@ pub fn for_each_with<T: Send, S: Send>(
         items.for_each(|item| act(item, &mut state));
         return Some(state).into_iter().for_each(end);
     }
-    let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
-    let act = |index: usize, state: &mut S| {
-        locked(&items[index]).take().into_iter().for_each(|item| act(item, state));
+    let (listed, rest) = listed(items);
+    let each = |index: usize, state: &mut S| {
+        locked(&listed[index]).take().into_iter().for_each(|item| act(item, state));
     };
-    for_tasks_with(threads, items.len(), make, act).into_iter().for_each(end);
+    let mut states = for_tasks_with(threads, listed.len(), &make, each);
+    let mut last = states.pop().unwrap_or_else(make);
+    rest.for_each(|item| act(item, &mut last));
+    states.into_iter().chain([last]).for_each(end);
 }
 
 /// Number of items of a task in [`for_chunks`].
@@ -205,6 +237,16 @@ pub fn threads_for(
     threads
 }
 
+/// Starts the threads that calls with some work will use, if they are not there. An object does so when it is made: a
+/// later call then needs no memory for them.
+pub fn start(threads: Option<usize>, work: usize, sharing: usize) {
+    #[cfg(feature = "parallel")]
+    if work >= sharing {
+        Team::of(threads);
+    }
+    let _ = (threads, work, sharing);
+}
+
 /// Keeps threads awake until the returned value is dropped, if `work` is enough to wake them for. For
 /// calls with long stages on one thread, in which the others would fall asleep.
 #[must_use]
@@ -239,23 +281,18 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
 ) {
     debug_assert_eq!(a.len(), b.len());
     #[cfg(feature = "parallel")]
-    if a.len() > MAX_SERIAL
-        && let Some(team) = Team::of(threads)
-    {
+    if a.len() > MAX_SERIAL && is_parallel(threads) {
         // A lock for each chunk hands a mutable slice to the thread that takes its number, without
         // unsafe code. No lock is ever contended, because each number is taken once.
-        let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
-        let chunks: Vec<_> = chunks.map(Mutex::new).collect();
-        return team.share(chunks.len(), &|index| {
-            let (a, b) = &mut *locked(&chunks[index]);
-            act(index * CHUNK, a, b);
-        });
+        let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK)).zip((0..).step_by(CHUNK));
+        return for_each(threads, chunks, |((a, b), first)| act(first, a, b));
     }
     let _ = threads;
     act(0, a, b);
 }
 
-/// Replaces the contents of `to` by the items of `from` named by `order`, in that order.
+/// Replaces the contents of `to` by the items of `from` named by `order`, in that order. It allocates only if `to` has
+/// no memory for them.
 pub fn gather<V: Copy + Default + Send + Sync>(
     threads: Option<usize>,
     to: &mut Vec<V>,

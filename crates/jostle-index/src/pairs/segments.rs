@@ -10,6 +10,7 @@ use super::{Found, JoinScratch, unchanged};
 use crate::geometry::Bounds;
 use crate::quadtree::{Node, Quadtree};
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::parallel;
 use jostle_simd::{LANES, Number, Simd, Work, block, first_lanes, for_each_lane};
 
@@ -120,10 +121,13 @@ pub struct LineSegments {
 
 impl LineSegments {
     /// Replaces all segments.
-    pub fn fill(&mut self, all: impl Iterator<Item = LineSegment>) {
+    pub fn fill(&mut self, all: impl Iterator<Item = LineSegment>) -> Result<()> {
         self.all.clear();
-        self.all.extend(all);
-        self.columns.iter_mut().for_each(Vec::clear);
+        memory::extend(&mut self.all, all)?;
+        for column in &mut self.columns {
+            column.clear();
+            memory::reserve(column, self.all.len() + LANES)?;
+        }
         for &segment in &self.all {
             let LineSegment { start: [x, y], along: [u, v], length, least_radius, margin } =
                 segment;
@@ -132,6 +136,7 @@ impl LineSegments {
             self.columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
         }
         self.columns.iter_mut().for_each(|column| column.resize(self.all.len() + LANES, 0.0));
+        Ok(())
     }
 
     /// The segment at an index.

@@ -231,9 +231,9 @@ impl<T: Scalar> Builder<'_, T> {
             let to = outputs.range(from..from + node.len());
             let start = node.start as usize;
             let leaf = if self.in_strips {
-                strips::sort_into_strips(self.shapes, items, start, to, ends, scratch)
+                strips::sort_into_strips(self.shapes, items, start, to, ends, scratch)?
             } else {
-                strips::single_strip(items, start, to, ends)
+                strips::single_strip(items, start, to, ends)?
             };
             memory::push(strips, leaf)?;
         }

@@ -317,7 +317,7 @@ impl<T: Copy + Default> Blocks<'_, T> {
         // groups, which need to be in their order among each other.
         let precision = if bits + next < group_bits { Precision::Full } else { precision };
         let ends = &mut scratch.counts;
-        ends.resize(1 << next, 0);
+        memory::resize(ends, 1 << next, 0)?;
         let items = self.0.pieces(block).flatten();
         // Stable, and the pieces come in the order of the source. So items of one group stay in
         // ascending order of their rows, which is the order that `Precision` promises.

@@ -9,6 +9,8 @@ use std::ops::Range;
 use super::partition::Item;
 use crate::geometry::{Bounds, Scalar};
 use crate::shapes::{Each, Shapes};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Maximum number of strips of a leaf.
 const MAX_STRIPS: usize = 192;
@@ -176,7 +178,7 @@ pub(super) fn sort_into_strips<T: Scalar>(
     to: Outputs<'_, T>,
     ends: &mut Vec<u32>,
     scratch: &mut Scratch,
-) -> Strips<T> {
+) -> Result<Strips<T>> {
     let leaf = Strips { first: ends.len() as u32, ..strips_of(shapes, items) };
     if leaf.count == 1 {
         return single_strip(items, start, to, ends);
@@ -185,7 +187,8 @@ pub(super) fn sort_into_strips<T: Scalar>(
     let strips = &mut scratch.strips;
     strips.clear();
     // One byte for each shape, computed once: counting and writing both need it.
-    strips.extend(items.iter().map(|item| leaf.index(low_y(shapes, item)) as u8));
+    memory::extend(strips, items.iter().map(|item| leaf.index(low_y(shapes, item)) as u8))?;
+    memory::reserve(ends, leaf.count as usize)?;
     strips.iter().for_each(|&strip| next[strip as usize + 1] += 1);
     for strip in 0..leaf.count as usize {
         next[strip + 1] += next[strip];
@@ -198,7 +201,7 @@ pub(super) fn sort_into_strips<T: Scalar>(
         (to.rows[index], [to.x[index], to.y[index]]) = (item.row, item.center);
         next[strip as usize] += 1;
     }
-    leaf
+    Ok(leaf)
 }
 
 /// Writes the shapes of a leaf in the order of the items, as one strip.
@@ -207,13 +210,13 @@ pub(super) fn single_strip<T: Scalar>(
     start: usize,
     to: Outputs<'_, T>,
     ends: &mut Vec<u32>,
-) -> Strips<T> {
+) -> Result<Strips<T>> {
     let first = ends.len() as u32;
-    ends.push((start + items.len()) as u32);
+    memory::push(ends, (start + items.len()) as u32)?;
     for (index, item) in items.iter().enumerate() {
         (to.rows[index], [to.x[index], to.y[index]]) = (item.row, item.center);
     }
-    Strips { first, count: 1, ..Strips::default() }
+    Ok(Strips { first, count: 1, ..Strips::default() })
 }
 
 /// The y of a shape's centre, or of its lower side.

@@ -1,5 +1,6 @@
 //! `jostle.Springs`.
 
+use jostle_base::memory;
 use jostle_index::Each;
 use jostle_world::forces::{Spring, Springs};
 use pyo3::prelude::*;
@@ -7,6 +8,7 @@ use pyo3::prelude::*;
 use super::arguments::arguments;
 use super::valid;
 use crate::arrays::{Argument, Given, reals};
+use crate::error::refused;
 
 /// Springs between pairs of particles.
 ///
@@ -86,7 +88,10 @@ impl PySprings {
             damping: damping.at(row),
             max_stretch: max_stretch.at(row),
         };
-        Ok(Self(valid(Springs((0..len).map(spring).collect()), Springs::validate)?))
+        Ok(Self(valid(
+            Springs(memory::collect((0..len).map(spring)).map_err(refused)?),
+            Springs::validate,
+        )?))
     }
 
     fn __len__(&self) -> usize {

@@ -1,5 +1,6 @@
 //! The container and the walls as properties.
 
+use jostle_base::memory;
 use jostle_world::Wall;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -183,7 +184,7 @@ impl PyWorld {
 
 impl PyWorld {
     fn all_walls(&self, py: Python<'_>) -> PyResult<Vec<Wall>> {
-        self.long(py, |state| state.world.walls().to_vec())
+        self.long(py, |state| memory::copy(state.world.walls()))?.map_err(refused)
     }
 
     fn change_walls(&self, py: Python<'_>, walls: Vec<Wall>) -> PyResult<()> {

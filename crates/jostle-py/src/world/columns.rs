@@ -1,6 +1,6 @@
 //! The columns of the particles as properties.
 
-use jostle_base::Error;
+use jostle_base::{Error, memory};
 use jostle_world::{Bodies, Changes};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -148,14 +148,14 @@ columns! {
     /// >>> world.categories
     /// array([2, 2, 1], dtype=uint32)
     categories, set_categories: PyArray1<u32>
-        = column(|world| world.filters().iter().map(|filter| filter.category).collect());
+        = column(|bodies| memory::collect(bodies.filters()?.iter().map(|filter| filter.category)));
 
     /// Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
     /// each particle may touch, see `categories`.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
     masks, set_masks: PyArray1<u32>
-        = column(|world| world.filters().iter().map(|filter| filter.mask).collect());
+        = column(|bodies| memory::collect(bodies.filters()?.iter().map(|filter| filter.mask)));
 
     /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
     ///
@@ -233,18 +233,20 @@ impl PyWorld {
     fn vectors<'py>(
         &self,
         py: Python<'py>,
-        of: fn(&Bodies) -> Vec<[f32; 2]>,
+        of: fn(&Bodies) -> jostle_base::Result<Vec<[f32; 2]>>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        Ok(read_only(table(py, self.long(py, |state| of(state.world.bodies()))?)?))
+        let column = self.long(py, |state| of(state.world.bodies()))?.map_err(refused)?;
+        Ok(read_only(table(py, column)?))
     }
 
     /// A read-only copy of a column.
     fn column<'py, V: Element>(
         &self,
         py: Python<'py>,
-        of: fn(&Bodies) -> Vec<V>,
+        of: fn(&Bodies) -> jostle_base::Result<Vec<V>>,
     ) -> PyResult<Bound<'py, PyArray1<V>>> {
-        Ok(read_only(column(py, self.long(py, |state| of(state.world.bodies()))?)))
+        let values = self.long(py, |state| of(state.world.bodies()))?.map_err(refused)?;
+        Ok(read_only(column(py, values)))
     }
 
     /// Replaces whole columns.

@@ -1,5 +1,6 @@
 //! Adding, removing, reading and changing particles.
 
+use jostle_base::{Id, memory};
 use jostle_index::Each;
 use jostle_world::Changes;
 use pyo3::IntoPyObjectExt;
@@ -101,15 +102,14 @@ impl PyWorld {
             return Err(PyTypeError::new_err(rule));
         }
         let added = self.long(py, |state| {
+            // The result before the change, which could not be returned otherwise.
+            let mut ids = memory::with_capacity(len)?;
             let particles = draft.particles(len, &state.world.defaults())?;
-            state.world.add(particles)
+            ids.extend(state.world.add(particles)?);
+            Ok(ids)
         })?;
-        let ids = result_of(added, many.is_none())?;
-        if many.is_none() {
-            ids.start.into_bound_py_any(py)
-        } else {
-            Ok(column(py, ids.collect()).into_any())
-        }
+        let ids: Vec<Id> = result_of(added, many.is_none())?;
+        if many.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
     }
 
     /// Remove particles. Their ids are never used again.

@@ -1,5 +1,6 @@
 //! Forces and accelerations that the caller gives.
 
+use jostle_base::memory;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -84,17 +85,21 @@ impl PyWorld {
     #[getter]
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let external = self.long(py, |state| {
-            let mut external = state.world.external_accelerations().to_vec();
+            let mut external = memory::with_capacity(state.world.len())?;
+            external.extend_from_slice(state.world.external_accelerations());
             external.resize(state.world.len(), [0.0; 2]);
-            external
+            Ok(external)
         })?;
-        Ok(read_only(table(py, external)?))
+        Ok(read_only(table(py, external.map_err(refused)?)?))
     }
 
     #[setter]
     fn set_accelerations(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let len = self.state(py)?.world.len();
-        let external = vectors("accelerations", value, len)?.unwrap_or_else(|| vec![[0.0; 2]; len]);
+        let external = match vectors("accelerations", value, len)? {
+            Some(external) => external,
+            None => memory::filled(len, [0.0; 2]).map_err(refused)?,
+        };
         self.long(py, |state| state.world.set_accelerations(external))?.map_err(refused)
     }
 }

@@ -1,6 +1,6 @@
 //! Ids of particles, and the rows of these.
 
-use jostle_base::Id;
+use jostle_base::{Id, memory};
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -33,7 +33,7 @@ impl PyWorld {
     /// array([1, 2, 3])
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
-        let ids = self.long(py, |state| state.world.bodies().ids())?;
+        let ids = self.long(py, |state| state.world.bodies().ids())?.map_err(refused)?;
         Ok(read_only(column(py, ids)))
     }
 
@@ -73,7 +73,8 @@ impl PyWorld {
         if ids.single {
             rows[0].into_bound_py_any(py)
         } else {
-            Ok(column(py, rows.into_iter().map(i64::from).collect()).into_any())
+            let rows = memory::collect(rows.into_iter().map(i64::from)).map_err(refused)?;
+            Ok(column(py, rows).into_any())
         }
     }
 
@@ -106,7 +107,8 @@ impl PyWorld {
     #[getter]
     fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
         let ids = self.long(py, |state| state.world.renumbered())?.map_err(refused)?;
-        let ids = ids.map(|ids| ids.into_iter().map(|id| id.unwrap_or(-1)).collect());
+        let ids = ids.map(|ids| memory::collect(ids.into_iter().map(|id| id.unwrap_or(-1))));
+        let ids = ids.transpose().map_err(refused)?;
         Ok(ids.map(|ids| read_only(column(py, ids))))
     }
 }

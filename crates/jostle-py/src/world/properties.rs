@@ -93,8 +93,9 @@ impl PyWorld {
     /// two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let (forces, kinds) =
-            self.long(py, |state| (state.world.forces(), state.world.bodies().kinds()))?;
+        let both =
+            self.long(py, |state| Ok((state.world.forces()?, state.world.bodies().kinds()?)));
+        let (forces, kinds) = both?.map_err(refused)?;
         forces::show(py, forces, &kinds)
     }
 

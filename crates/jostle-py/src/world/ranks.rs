@@ -106,7 +106,7 @@ impl PyWorld {
 
     /// The ids of the own particles, and the id that is given next. For `jostle.mpi`.
     fn _own_ids<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray1<i64>>, i64)> {
-        let (ids, next) = self.long(py, |state| ranks::own_ids(&state.world))?;
+        let (ids, next) = self.long(py, |state| ranks::own_ids(&state.world))?.map_err(refused)?;
         Ok((column(py, ids), next))
     }
 
@@ -142,7 +142,8 @@ impl PyWorld {
 
     /// The own particles as records. For `jostle.mpi`.
     fn _own_records<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &self.long(py, |state| ranks::own_records(&state.world))?))
+        let records = self.long(py, |state| ranks::own_records(&state.world))?;
+        Ok(PyBytes::new(py, &records.map_err(refused)?))
     }
 
     /// What is kept of the own particles from step to step, as in `jostle.mpi.records`. For `jostle.mpi`.
@@ -172,7 +173,7 @@ impl PyWorld {
 
     /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.
     fn _own_touches<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
-        let all = self.long(py, |state| state.world.record().touches())?;
+        let all = self.long(py, |state| state.world.record().touches())?.map_err(refused)?;
         all.into_iter().map(|pairs| table(py, pairs)).collect()
     }
 

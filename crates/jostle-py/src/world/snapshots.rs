@@ -36,7 +36,7 @@ impl PyWorld {
     /// >>> world.time, jostle.World.restore(before).time
     /// (2.0, 0.0)
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.long(py, |state| state.world.snapshot())?;
+        let bytes = self.long(py, |state| state.world.snapshot())?.map_err(refused)?;
         PyBytes::new_with(py, bytes.len(), |to| {
             py.detach(|| to.copy_from_slice(&bytes));
             Ok(())
@@ -151,7 +151,7 @@ impl PyWorld {
     /// >>> len(jostle.World.load(path))
     /// 100
     fn save(&self, py: Python<'_>, path: FilePath) -> PyResult<()> {
-        let bytes = self.long(py, |state| state.world.snapshot())?;
+        let bytes = self.long(py, |state| state.world.snapshot())?.map_err(refused)?;
         files::replace(py, &path.0, &bytes)
     }
 

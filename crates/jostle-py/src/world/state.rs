@@ -73,7 +73,8 @@ impl PyWorld {
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         // After an interruption the result is not used.
-        detached(py, || Ok(self.state.lock()?.world.potential_energy()))?
+        let energy = detached(py, || self.state.lock().map(|all| all.world.potential_energy()));
+        energy??.map_err(refused)
     }
 
     /// Return a 64-bit hash of all particles.
@@ -94,6 +95,6 @@ impl PyWorld {
     /// >>> worlds[0].state_hash() == worlds[1].state_hash()
     /// True
     fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {
-        self.long(py, |state| state.world.state_hash())
+        self.long(py, |state| state.world.state_hash())?.map_err(refused)
     }
 }

@@ -82,7 +82,7 @@ impl PyWorld {
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (times, forces) = {
             let state = self.state(py)?;
-            (state.profile, !state.world.forces().is_empty())
+            (state.profile, state.world.has_forces())
         };
         let profile = PyDict::new(py);
         for ((stage, name), time) in Stage::ALL.into_iter().zip(times) {
@@ -122,8 +122,7 @@ impl State {
     /// Begins a call of `step`.
     pub(super) fn begin(&mut self, dt: f64) -> jostle_base::Result<()> {
         self.world.step(dt, 0)?;
-        self.world.begin_record();
-        Ok(())
+        self.world.begin_record()
     }
 
     /// Does some of the steps, and returns how many are left. If one is refused, those before are

@@ -51,7 +51,10 @@ impl PyWorld {
     /// (array([2]), array([10.], dtype=float32))
     #[getter]
     fn wall_contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        results::wall_contacts(py, self.long(py, |state| state.world.wall_contacts())?)
+        results::wall_contacts(
+            py,
+            self.long(py, |state| state.world.wall_contacts())?.map_err(refused)?,
+        )
     }
 
     /// The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
@@ -94,7 +97,7 @@ impl PyWorld {
     /// (array([[1, 2]]), 0, 0)
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let events = self.long(py, |state| state.world.events())?;
+        let events = self.long(py, |state| state.world.events())?.map_err(refused)?;
         let rule = "events are not tracked; set world.track_events = True before the step, or make \
                     the world with track_events=True";
         results::world_events(py, events.ok_or_else(|| PyRuntimeError::new_err(rule))?)

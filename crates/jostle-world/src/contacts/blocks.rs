@@ -6,6 +6,8 @@ use super::{COLOURS, Contact, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
 use crate::particles::Particles;
 use crate::tolerance::{are_uneven, gap, size_of};
 use crate::trajectory::{Vector, rest_speeds, vector};
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_simd::{LANES, PairIndices, for_each_lane};
 
 /// Relaxation factor of a contact of equal masses, or with something that does not move. In a pile of n
@@ -304,8 +306,9 @@ impl Blocks {
     /// Reserves memory for the contacts of each kind of each colour. Contacts of particles with
     /// contacts of uneven masses have blocks of their own, and those in sequence one each: `rounds`
     /// has how many contacts of uneven masses, and how many others, are in each round.
-    pub fn arrange(&mut self, counts: &[[usize; KINDS]], rounds: &[[usize; 2]]) -> Lanes {
+    pub fn arrange(&mut self, counts: &[[usize; KINDS]], rounds: &[[usize; 2]]) -> Result<Lanes> {
         self.colours.clear();
+        memory::reserve(&mut self.colours, counts.len() + rounds.len())?;
         let mut lanes = Lanes([[0; KINDS]; COLOURS]);
         let mut end = 0;
         for (kinds, lanes) in counts.iter().zip(&mut lanes.0) {
@@ -329,7 +332,7 @@ impl Blocks {
             end = uneven_end + others;
             self.colours.push(Colour { start, uneven_end, end, is_serial: true });
         }
-        self.list.resize(end, Block::default());
-        lanes
+        memory::resize(&mut self.list, end, Block::default())?;
+        Ok(lanes)
     }
 }

@@ -8,6 +8,8 @@
 
 use super::COLOURS;
 use crate::particles::Particles;
+use jostle_base::error::Result;
+use jostle_base::reserve;
 use jostle_base::sorting::counting_sort;
 use jostle_simd::{LANES, Number, Simd, Work};
 
@@ -46,7 +48,9 @@ pub struct Colouring {
 impl Colouring {
     /// Writes the colour of each contact, [`COLOURS`] for those for which there is none. Particles that
     /// do not move take no colour: any number of their contacts may share one.
-    pub fn run(&mut self, edges: &[Edge], movable: &[bool], colours: &mut Vec<u8>) {
+    pub fn run(&mut self, edges: &[Edge], movable: &[bool], colours: &mut Vec<u8>) -> Result<()> {
+        reserve!(edges.len(); *colours, self.order, self.spare);
+        reserve!(movable.len(); self.taken);
         colours.clear();
         // The order of solving changes the result, because the iteration ends early. So the colours
         // must follow from the state, and only from the state nearby. The priorities are hashes, so
@@ -72,6 +76,7 @@ impl Colouring {
             taken[a] |= if movable[a] { bit } else { 0 };
             taken[b] |= if movable[b] { bit } else { 0 };
         }
+        Ok(())
     }
 
     /// Lists the contacts in the order of their priorities, the highest first (radix sort, least
@@ -194,7 +199,7 @@ mod tests {
             let edge = |(a, b, priority)| Edge { indices: [a, b], priority };
             let edges: Vec<Edge> = pairs.into_iter().filter(solved).map(edge).collect();
             let mut colours = Vec::new();
-            Colouring::default().run(&edges, &movable, &mut colours);
+            Colouring::default().run(&edges, &movable, &mut colours).unwrap();
             prop_assert_eq!(colours, one_by_one(&edges, &movable));
         }
     }
@@ -210,7 +215,7 @@ mod tests {
         let edges: Vec<Edge> = (0..3 * FEW as u32).map(edge).collect();
         let movable: Vec<bool> = (0..1800).map(|index| random(index) % 5 > 0).collect();
         let mut colours = Vec::new();
-        Colouring::default().run(&edges, &movable, &mut colours);
+        Colouring::default().run(&edges, &movable, &mut colours).unwrap();
         assert_eq!(colours, one_by_one(&edges, &movable));
     }
 
@@ -242,7 +247,7 @@ mod tests {
         let edge = |other| Edge { indices: [0, other], priority: other };
         let edges: Vec<Edge> = (1..=COLOURS as u32 + 3).map(edge).collect();
         let mut colours = Vec::new();
-        Colouring::default().run(&edges, &[true; COLOURS + 4], &mut colours);
+        Colouring::default().run(&edges, &[true; COLOURS + 4], &mut colours).unwrap();
         let left = colours.iter().filter(|&&colour| colour == COLOURS as u8).count();
         assert_eq!(left, 3);
     }

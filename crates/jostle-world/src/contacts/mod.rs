@@ -8,6 +8,8 @@ mod blocks;
 mod colouring;
 mod sequence;
 
+use std::cmp::Ordering;
+
 use crate::motion::Motions;
 use crate::particles::Particles;
 use crate::tolerance::gap;
@@ -15,7 +17,7 @@ pub use blocks::{Block, Blocks, Colour, Materials, RELAXATION};
 use colouring::{Colouring, Edge, prioritize};
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::Result;
-use jostle_base::{parallel, plain, sorting};
+use jostle_base::{memory, parallel, plain, reserve, sorting};
 use jostle_simd::LANES;
 use sequence::Sequence;
 pub use sequence::Sequential;
@@ -145,6 +147,11 @@ impl Contact {
         self.gap = gap as f32;
     }
 
+    /// The order of contacts in the list.
+    pub fn compare(&self, other: &Self) -> Ordering {
+        self.key().cmp(&other.key())
+    }
+
     /// What contacts are sorted by.
     fn key(&self) -> ([u32; 2], [u32; 2]) {
         (self.indices, self.image.map(f32::to_bits))
@@ -204,6 +211,8 @@ pub struct Contacts {
     colouring: Colouring,
     sequence: Sequence,
     counts: Counts,
+    /// The index that each particle has after others are removed.
+    renamed: Vec<u32>,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
     previous: Previous,
@@ -211,7 +220,8 @@ pub struct Contacts {
 
 impl Saved for Contacts {
     fn put(&self, to: &mut Writer) {
-        self.lasting().copied().collect::<Vec<Contact>>().put(to);
+        to.put_count(self.lasting().count());
+        self.lasting().for_each(|contact| contact.put(to));
     }
     /// Only the list; [`Contacts::remember`] reads the impulses in it.
     fn get(from: &mut Reader<'_>) -> Result<Self> {
@@ -253,18 +263,18 @@ impl Contacts {
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         particles: &Particles,
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         let movable = &particles.movable;
         // The order is given. Uneven masses decide the kinds of contacts. Edges have the
         // priorities, which give the colours. Colours and kinds give the numbers of blocks.
-        self.find_uneven(lists, &particles.masses, movable);
+        self.find_uneven(lists, &particles.masses, movable)?;
         // Only contacts without images follow the order of the keys. With images the lists are
         // merged by a sort at the end of the step.
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
-        self.list_edges(lists, particles, movable, threads);
-        self.colouring.run(&self.edges, movable, &mut self.colours);
+        self.list_edges(lists, particles, movable, threads)?;
+        self.colouring.run(&self.edges, movable, &mut self.colours)?;
         self.count();
-        self.sequence.list(lists, &self.colours, &self.kinds);
+        self.sequence.list(lists, &self.colours, &self.kinds)
     }
 
     /// Makes the contacts of the pairs. `before` has the index of each particle in the order of the
@@ -276,11 +286,13 @@ impl Contacts {
         before: &[u32],
         rounds: usize,
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         // First each contact gets its lane, in canonical order on one thread. Then threads fill the
         // blocks, each its own. So the place of a contact does not depend on threads.
-        let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds);
-        let mut next = self.blocks.arrange(&self.counts, rounds);
+        let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds)?;
+        let mut next = self.blocks.arrange(&self.counts, rounds)?;
+        reserve!(self.kinds.len(); self.lanes);
+        reserve!(self.blocks.list.len() * LANES; self.sources);
         let mut in_sequence = self.sequence.blocks(&self.blocks);
         self.lanes.clear();
         self.list.clear();
@@ -323,6 +335,7 @@ impl Contacts {
                 block.fill(materials, |lane| source(sources[lane]));
             }
         });
+        Ok(())
     }
 
     /// The contacts that are solved in sequence, of which some may be removed before
@@ -348,18 +361,19 @@ impl Contacts {
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         masses: &[f32],
         movable: &[bool],
-    ) {
+    ) -> Result<()> {
         self.uneven.clear();
         if lists.iter().all(|(_, pairs)| pairs.is_empty()) {
-            return;
+            return Ok(());
         }
         // Most worlds need no further test. Numbers above 0 have the order of their bits.
         let bits = masses.iter().map(|mass| mass.to_bits());
         let [least, most] = [bits.clone().fold(u32::MAX, u32::min), bits.fold(0, u32::max)];
         // The reserve covers the rounding of the inverse masses that the exact test compares.
         if f32::from_bits(most) <= UNEVEN * f32::from_bits(least) * (1.0 - 4.0 * f32::EPSILON) {
-            return;
+            return Ok(());
         }
+        reserve!(movable.len(); self.uneven);
         for &pair in lists.iter().flat_map(|(_, pairs)| pairs) {
             let [a, b] = pair.map(|index| index as usize);
             if movable[a] && movable[b] && are_uneven([1.0 / masses[a], 1.0 / masses[b]]) {
@@ -367,6 +381,7 @@ impl Contacts {
                 (self.uneven[a], self.uneven[b]) = (true, true);
             }
         }
+        Ok(())
     }
 
     /// Whether a particle has a contact of uneven masses in this step.
@@ -409,14 +424,14 @@ impl Contacts {
         particles: &Particles,
         movable: &[bool],
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         let Self { edges, kinds, uneven, .. } = self;
         // All contacts of such a particle get more iterations, and not only the uneven one. The
         // correction of one contact disturbs the others of the same particle.
         let is_uneven = |index: u32| uneven.get(index as usize).is_some_and(|&uneven| uneven);
         let count = lists.iter().map(|(_, pairs)| pairs.len()).sum();
-        edges.resize(count, Edge::default());
-        kinds.resize(count, 0);
+        memory::resize(edges, count, Edge::default())?;
+        memory::resize(kinds, count, 0)?;
         let (mut edges, mut kinds) = (&mut edges[..], &mut kinds[..]);
         for (image, pairs) in lists {
             let (own, of) =
@@ -443,6 +458,7 @@ impl Contacts {
                 }
             });
         }
+        Ok(())
     }
 
     /// Counts the contacts of each kind of each colour.
@@ -474,35 +490,55 @@ impl Contacts {
 
     /// Removes the contacts of removed particles and updates the indices of the others.
     pub fn retain(&mut self, keep: &[bool]) {
+        let Self { list, renamed, .. } = self;
         let mut left = 0;
-        let renamed: Vec<u32> = keep
-            .iter()
-            .map(|&kept| {
-                left += u32::from(kept);
-                left - u32::from(kept)
-            })
-            .collect();
-        let stays = |contact: &Contact| contact.indices.iter().all(|&index| keep[index as usize]);
-        let mut kept: Vec<Contact> = self.list.iter().copied().filter(stays).collect();
-        for contact in &mut kept {
-            contact.indices = contact.indices.map(|index| renamed[index as usize]);
+        renamed.clear();
+        for &kept in keep {
+            renamed.push(left);
+            left += u32::from(kept);
         }
-        self.recall(kept, left as usize);
+        list.retain_mut(|contact| {
+            let stays = contact.indices.iter().all(|&index| keep[index as usize]);
+            contact.indices = contact.indices.map(|index| renamed[index as usize]);
+            stays
+        });
+        self.blocks.clear();
+        self.remember(left as usize);
+    }
+
+    /// Reserves memory for [`Contacts::retain`] of `len` particles.
+    pub fn reserve_retain(&mut self, len: usize) -> Result<()> {
+        reserve!(len; self.renamed);
+        Ok(())
     }
 
     /// Adds contacts; `count` is the number of particles.
+    /// There must be memory for them, see [`Contacts::reserve_insert`].
     pub fn insert(&mut self, new: impl Iterator<Item = Contact>, count: usize) {
-        let all = self.list.iter().copied().chain(new).map(Contact::ascending);
-        let mut list: Vec<Contact> = all.collect();
-        list.sort_unstable_by_key(Contact::key);
-        self.recall(list, count);
-    }
-
-    /// Replaces all contacts by `list`, in canonical order; `count` is the number of particles.
-    fn recall(&mut self, list: Vec<Contact>, count: usize) {
-        self.list = list;
+        self.list.extend(new);
+        self.list.iter_mut().for_each(|contact| *contact = contact.ascending());
+        self.list.sort_unstable_by_key(Contact::key);
         self.blocks.clear();
         self.remember(count);
+    }
+
+    /// Reserves memory for `more` contacts, and for [`Contacts::retain`] without them.
+    pub fn reserve_insert(&mut self, more: usize, count: usize) -> Result<()> {
+        memory::reserve(&mut self.list, more)?;
+        self.reserve_impulses(count, more)?;
+        self.reserve_retain(count)
+    }
+
+    /// Reserves memory for the impulses of the contacts in the list and of `more`, of `count` particles.
+    pub fn reserve_impulses(&mut self, count: usize, more: usize) -> Result<()> {
+        let Previous { starts, seconds, impulses } = &mut self.previous;
+        let known = self.list.iter().filter(|contact| contact.impulse > 0.0).count();
+        // A world without impulses at rest needs none.
+        if known + more > 0 {
+            reserve!(count + 1; *starts);
+            reserve!(known + more; *seconds, *impulses);
+        }
+        Ok(())
     }
 
     /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that
@@ -512,7 +548,7 @@ impl Contacts {
         bounced: impl Iterator<Item = ([u32; 2], [f32; 2], [f32; 2])>,
         particles: &Particles,
         indices: usize,
-    ) {
+    ) -> Result<()> {
         let Self { list, blocks, lanes, spare, unsorted, .. } = self;
         // The lanes are read in canonical order, so the result is sorted without a sort, although
         // blocks are in the order of colours.
@@ -521,7 +557,7 @@ impl Contacts {
             blocks.list[lane / LANES].lasting(lane % LANES).map(Contact::ascending)
         });
         spare.clear();
-        spare.extend(bounced.map(|(pair, image, totals)| {
+        let bounced = bounced.map(|(pair, image, totals)| {
             let [i, j] = pair.map(|index| index as usize);
             Contact {
                 indices: pair,
@@ -531,7 +567,8 @@ impl Contacts {
                 touched: true,
                 ..Contact::default()
             }
-        }));
+        });
+        memory::extend(spare, bounced)?;
         sort(spare);
         list.clear();
         // Nothing could rest, as in a gas: the bounces are the list.
@@ -541,15 +578,17 @@ impl Contacts {
             // the same bits on each process.
             list.dedup_by(|next, last| last.absorb(next));
         } else if self.is_sorted {
-            merge(lasting, spare, list);
+            merge(lasting, spare, list)?;
         } else {
             unsorted.clear();
-            unsorted.extend(lasting);
+            memory::extend(unsorted, lasting)?;
             sort(unsorted);
-            merge(unsorted.iter().copied(), spare, list);
+            merge(unsorted.iter().copied(), spare, list)?;
         }
         self.blocks.clear();
+        self.reserve_impulses(indices, 0)?;
         self.remember(indices);
+        Ok(())
     }
 
     /// Those that touched or have an impulse, in canonical order.
@@ -568,7 +607,8 @@ impl Contacts {
     }
 
     /// Stores the resting impulses by index, for warm starting in the next step. Returns the
-    /// first contact whose impulse is not finite, if any.
+    /// first contact whose impulse is not finite, if any. There must be memory for them: of
+    /// [`Contacts::reserve_impulses`], or of an earlier call with the same contacts.
     pub fn remember(&mut self, indices: usize) -> Option<&Contact> {
         let Self { list, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
@@ -635,24 +675,27 @@ fn sort(list: &mut [Contact]) {
 
 /// Appends two sorted lists to a third. Of the same contact in both, that of the first list is kept,
 /// with the sums of the impulses of both.
-fn merge(first: impl Iterator<Item = Contact>, mut second: &[Contact], to: &mut Vec<Contact>) {
+fn merge(
+    first: impl Iterator<Item = Contact>,
+    mut second: &[Contact],
+    to: &mut Vec<Contact>,
+) -> Result<()> {
     for next in first {
         // Few contacts are in the second list.
         while let Some((earlier, rest)) = second.split_first()
             && earlier.key() < next.key()
         {
-            append(*earlier, to);
+            append(*earlier, to)?;
             second = rest;
         }
-        append(next, to);
+        append(next, to)?;
     }
-    second.iter().for_each(|next| append(*next, to));
+    second.iter().try_for_each(|next| append(*next, to))
 }
 
 /// Appends a contact to a sorted list, or its impulses to the last contact if that is the same.
 #[inline(always)]
-fn append(next: Contact, to: &mut Vec<Contact>) {
-    if !to.last_mut().is_some_and(|last| last.absorb(&next)) {
-        to.push(next);
-    }
+fn append(next: Contact, to: &mut Vec<Contact>) -> Result<()> {
+    let is_known = to.last_mut().is_some_and(|last| last.absorb(&next));
+    if is_known { Ok(()) } else { memory::push(to, next) }
 }

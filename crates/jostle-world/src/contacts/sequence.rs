@@ -5,6 +5,9 @@
 //! The processes of a distributed world solve them in rounds, see [`crate::ranks`]. One process
 //! has one round.
 
+use jostle_base::error::Result;
+use jostle_base::{memory, reserve};
+
 use super::blocks::Blocks;
 use super::{COLOURS, NEAR_KIND, UNEVEN_KIND, UNSOLVED};
 
@@ -38,14 +41,19 @@ pub struct Sequence {
 
 impl Sequence {
     /// Lists the contacts for which there is no colour, in one round.
-    pub fn list(&mut self, lists: &[([f32; 2], Vec<[u32; 2]>)], colours: &[u8], kinds: &[u8]) {
+    pub fn list(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        colours: &[u8],
+        kinds: &[u8],
+    ) -> Result<()> {
         let contacts = &mut self.contacts;
         contacts.clear();
         // A fold without an early end, which the compiler turns into vector instructions. Nearly
         // all worlds end here.
         self.is_any = colours.iter().fold(false, |any, &colour| any | (colour == COLOURS as u8));
         if !self.is_any {
-            return;
+            return Ok(());
         }
         let pairs = (0..)
             .zip(lists)
@@ -57,11 +65,12 @@ impl Sequence {
             // sequence each correction sees the last one, as with a colour for each contact.
             if usize::from(colour) == COLOURS && kind != UNSOLVED {
                 let is_uneven = kind == UNEVEN_KIND as u8;
-                contacts.push(Sequential { indices, image, is_uneven, at, round: 0 });
+                memory::push(contacts, Sequential { indices, image, is_uneven, at, round: 0 })?;
             }
         }
         // Uneven ones first, so that the further iterations visit a prefix of the round.
         contacts.sort_unstable_by_key(|of| (!of.is_uneven, of.at));
+        Ok(())
     }
 
     /// The contacts, of which some may be removed before [`Sequence::arrange`].
@@ -76,13 +85,20 @@ impl Sequence {
 
     /// Puts the contacts in the order in which they are solved. Writes the kind of each, and that
     /// of the pairs that have been removed; returns the numbers of contacts of each round.
-    pub fn arrange(&mut self, rounds: usize, colours: &[u8], kinds: &mut [u8]) -> &[[usize; 2]] {
+    pub fn arrange(
+        &mut self,
+        rounds: usize,
+        colours: &[u8],
+        kinds: &mut [u8],
+    ) -> Result<&[[usize; 2]]> {
         let Self { contacts, rounds: counts, places, is_any } = self;
+        reserve!(rounds; *counts);
+        reserve!(contacts.len(); *places);
         counts.clear();
         counts.resize(rounds, [0; 2]);
         places.clear();
         if !*is_any {
-            return counts;
+            return Ok(counts);
         }
         for (kind, &colour) in kinds.iter_mut().zip(colours) {
             *kind = if usize::from(colour) < COLOURS { *kind } else { UNSOLVED };
@@ -96,7 +112,7 @@ impl Sequence {
         // Blocks are filled in canonical order, and lie in the order of solving. The places map one
         // to the other.
         places.sort_unstable();
-        counts
+        Ok(counts)
     }
 
     /// The block of each contact in canonical order.

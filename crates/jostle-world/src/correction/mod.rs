@@ -16,6 +16,7 @@ use crate::particles::Particles;
 use crate::walls::Around;
 use enclosure::Enclosure;
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::parallel::{self, Member, locked};
 use pairs::{Measure, Separate};
 
@@ -118,9 +119,9 @@ impl Correction {
         measure(&mut pairs.list, motions, &particles.radii, threads);
         // Displacements are 0 between calls, so nothing is cleared here: in a pile at rest nearly
         // all stay 0.
-        self.displacements.resize_with_spare(particles.len());
-        self.free_squares.resize(particles.len() + 1);
-        self.list_near_colours(pairs);
+        self.displacements.resize_with_spare(particles.len())?;
+        self.free_squares.resize(particles.len() + 1)?;
+        self.list_near_colours(pairs)?;
         halo.any_bits(&mut self.near)?;
         if self.near.iter().all(|&is_near| is_near == 0) {
             self.moved_many = false;
@@ -143,10 +144,10 @@ impl Correction {
     }
 
     /// Finds for each colour whether any pairs are near.
-    fn list_near_colours(&mut self, pairs: &Blocks) {
+    fn list_near_colours(&mut self, pairs: &Blocks) -> Result<()> {
         let is_near = |colour: &Colour| pairs.list[colour.all()].iter().any(|of| of.near != 0);
         self.near.clear();
-        self.near.extend(pairs.colours.iter().map(|colour| u8::from(is_near(colour))));
+        memory::extend(&mut self.near, pairs.colours.iter().map(|of| u8::from(is_near(of))))
     }
 
     /// Moves all overlapping pairs apart, in iterations. Returns whether there were any.

@@ -8,19 +8,20 @@ use super::queue::{Event, WALL};
 use super::simulation::Simulation;
 use super::two::Turned;
 use crate::trajectory::{Kind, Piece};
+use jostle_base::error::Result;
 
 impl Simulation<'_> {
     /// Computes the bounce of a disc off a wall and returns true. Returns false, with its trajectory
     /// unchanged, if it is no such bounce, if the wall has a temperature, if there is friction, if the
     /// disc touches anything else, or if it reaches its limit of events.
-    pub(super) fn collide_alone(&mut self, event: &Event) -> bool {
+    pub(super) fn collide_alone(&mut self, event: &Event) -> Result<bool> {
         let window = self.window;
         let Event { time, kind, code: wall, pair: [index, partner], .. } = *event;
         let flight = window.flight;
         let is_plain =
             !flight.has_friction && flight.thermostat.is_none() && flight.temperatures.is_empty();
         if kind != Kind::Bounce || partner != WALL || !is_plain {
-            return false;
+            return Ok(false);
         }
         let number = self.trajectory(index);
         let trajectory = &self.history.trajectories[number as usize];
@@ -29,7 +30,7 @@ impl Simulation<'_> {
         // counts their events at one moment.
         let has_just_turned = trajectory.count > 0 && trajectory.piece.time == time;
         if has_just_turned || trajectory.is_exhausted || self.is_nearly_exhausted(trajectory) {
-            return false;
+            return Ok(false);
         }
         // The steps below are those of `happen` for a group of one disc and one contact. The same
         // functions in the same order make the same bits.
@@ -50,17 +51,17 @@ impl Simulation<'_> {
         };
         // The early test leaves out this wall if the disc moves away from it after the bounce.
         let left = flight.walls.left(wall);
-        let is_alone = self.predict_one(time, &own, None, left, is_known, &mut predicted);
+        let is_alone = self.predict_one(time, &own, None, left, is_known, &mut predicted)?;
         // Only now does anything change. If the disc touches something else, `happen` computes the
         // event from an unchanged state.
         if is_alone {
-            predicted.iter().for_each(|event| self.scratch.queue.push(*event));
+            predicted.iter().try_for_each(|event| self.scratch.queue.push(*event))?;
             self.turn(number, new);
             let impulses = self.impulses_of(0);
             let pair = [index, WALL];
             self.history.bounces.push(Bounce { pair, code: wall, impulses, trajectory: number });
         }
         self.scratch.predicted = predicted;
-        is_alone
+        Ok(is_alone)
     }
 }

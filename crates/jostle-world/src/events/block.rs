@@ -9,8 +9,9 @@ use super::queue::Event;
 use super::simulation::{Scratch, Simulation};
 use crate::particles::Particles;
 use jostle_base::cache;
+use jostle_base::error::Result;
 use jostle_base::interrupt::Stop;
-use jostle_base::parallel;
+use jostle_base::{memory, parallel};
 
 /// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
 /// the most part. Large blocks have fewer trajectories to test against other blocks.
@@ -102,23 +103,23 @@ impl Block {
         window: &TimeWindow<'_>,
         unsettled: &[u32],
         near: &mut Vec<u32>,
-    ) {
+    ) -> Result<()> {
         // Settled discs hit no side of the container, but walls may move.
         // A wall with a velocity reaches discs that do not move. Whether they are settled tells
         // nothing about it.
         let near = if window.flight.walls.is_empty() {
-            window.list_near_walls(unsettled.iter().copied(), near)
+            window.list_near_walls(unsettled.iter().copied(), near)?
         } else {
-            window.list_near_walls(self.range.clone(), near)
+            window.list_near_walls(self.range.clone(), near)?
         };
         let near = near.iter();
         let event = |&index| window.wall_event(index, &window.piece(index), 0, &|_| false);
         let events = near.map(event);
-        self.first.extend(events.flatten());
+        memory::extend(&mut self.first, events.flatten())
     }
 
     /// Simulates the events of the block by itself.
-    pub(super) fn simulate(&mut self, arguments: &mut Arguments<'_>) {
+    pub(super) fn simulate(&mut self, arguments: &mut Arguments<'_>) -> Result<()> {
         self.is_simulated = true;
         let Arguments { window, neighbors, trajectory_of, reaches, stop, scratch } = arguments;
         let (range, history) = (self.range.clone(), &mut self.history);
@@ -137,7 +138,7 @@ impl Block {
             stop,
             scratch,
         };
-        simulation.run(&self.first, &[]);
+        simulation.run(&self.first, &[])?;
         // Sums of impulses in float32 depend on their order. The order of events depends on blocks
         // where discs do not affect each other, so bounces are sorted by discs.
         self.history.bounces.sort_unstable_by(Bounce::order);
@@ -145,6 +146,7 @@ impl Block {
             // The discs are in the cache now. Those that are simulated again are moved again.
             self.move_discs(window, trajectory_of);
         }
+        Ok(())
     }
 
     /// Moves the discs of the block to the end of the flight, by its own history.

@@ -6,6 +6,7 @@ use super::history::NONE;
 use super::neighbors::{NearPair, PairList};
 use crate::trajectory::{Piece, Vector};
 use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Where discs may be during a step, and how to find others that may be there too.
 pub trait SweptBounds {
@@ -54,10 +55,13 @@ impl Candidates {
     }
 
     /// Adds a list; returns its number.
-    pub fn add(&mut self, offset: Vector) -> usize {
-        self.offsets.push(offset);
+    pub fn add(&mut self, offset: Vector) -> Result<usize> {
+        memory::push(&mut self.offsets, offset)?;
+        memory::reserve(&mut self.pairs, 1)?;
         self.pairs.push((offset.map(|v| v as f32), self.spare.pop().unwrap_or_default()));
-        self.pairs.len() - 1
+        // So that `clear` finds memory for all lists.
+        memory::reserve(&mut self.spare, self.pairs.len())?;
+        Ok(self.pairs.len() - 1)
     }
 }
 
@@ -86,25 +90,26 @@ impl Events {
         // Bounds may be larger than watched reaches, and they depend on guesses. So a disc that has left its
         // bounds is a candidate here, and the final trajectories decide.
         if !window.flight.watched_reaches.is_empty() {
-            self.may_be_beyond_reach.extend(self.outside.iter().map(|outside| outside.index));
+            let outside = self.outside.iter().map(|outside| outside.index);
+            memory::extend(&mut self.may_be_beyond_reach, outside)?;
         }
         self.near.clear();
         bounds.grow(&self.outside, window.gravity(), window.end, &mut self.near)?;
         // Pairs that pass through each other have no impacts, so they must not become neighbours.
-        self.take_sensed(window);
-        self.neighbors.add(&self.near, &mut self.new);
-        Ok(())
+        self.take_sensed(window)?;
+        self.neighbors.add(&self.near, &mut self.new)
     }
 
     /// Lists the discs that get beyond their watched reaches in the window.
-    pub(super) fn find_beyond_reach(&mut self, window: &TimeWindow<'_>) {
+    pub(super) fn find_beyond_reach(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         let mut listed = std::mem::take(&mut self.may_be_beyond_reach);
         if !window.flight.watched_reaches.is_empty() {
             // They may be smaller than bounds. Without events only renewed bounds let a disc get
             // further.
             let has_events = |&index: &u32| self.trajectory_of[index as usize] != NONE;
             let all = 0..window.starts.len() as u32;
-            listed.extend(all.filter(|index| window.anchors.is_some() || has_events(index)));
+            let all = all.filter(|index| window.anchors.is_some() || has_events(index));
+            memory::extend(&mut listed, all)?;
         }
         // A disc may be listed by several repetitions, and by the rule above.
         listed.sort_unstable();
@@ -118,10 +123,11 @@ impl Events {
             let squares = squares.map(|part| window.longest_square(anchor, &part.piece));
             let distance = squares.fold(0.0, f64::max).sqrt();
             if distance > f64::from(window.flight.watched_reaches[index as usize]) {
-                self.beyond_reach.push((index, distance));
+                memory::push(&mut self.beyond_reach, (index, distance))?;
             }
         }
         self.may_be_beyond_reach = listed;
+        Ok(())
     }
 }
 
@@ -130,7 +136,7 @@ pub(super) fn find_outside_at_start(
     window: &TimeWindow<'_>,
     reaches: &[f32],
     outside: &mut Vec<Outside>,
-) {
+) -> Result<()> {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
     // First in float32: nearly all discs stay in their bounds, and only for the others is the
     // distance computed in float64.
@@ -145,5 +151,6 @@ pub(super) fn find_outside_at_start(
         Outside { index, distance, piece }
     });
     outside.clear();
-    outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));
+    let most = |disc: &Outside| f64::from(reaches[disc.index as usize]);
+    memory::extend(outside, all.filter(|disc| disc.distance > most(disc)))
 }

@@ -14,6 +14,7 @@ use super::simulation::Simulation;
 use crate::trajectory::Vector;
 use jostle_base::error::Result;
 use jostle_base::interrupt::{self, Pulse, Stop};
+use jostle_base::memory;
 use jostle_base::parallel::{self, locked};
 
 /// Marks trajectories of discs that were simulated again.
@@ -42,11 +43,13 @@ impl Events {
         self.had_conflicts.clear();
         // There are three sources of conflicts. Some pairs cross along their first pieces, and
         // some meet after an event. Others are new, because a disc has left its bounds.
-        self.find_crossing(window);
-        self.find_meeting(window);
+        self.find_crossing(window)?;
+        self.find_meeting(window)?;
         interrupt::check()?;
         self.outside.clear();
-        self.outside.extend(self.blocks.iter().flat_map(|block| &block.history.outside));
+        for block in &self.blocks {
+            memory::append(&mut self.outside, &block.history.outside)?;
+        }
         self.grow(window, bounds)?;
         self.find_meeting_new(window)?;
         let mut rounds = 0;
@@ -62,30 +65,31 @@ impl Events {
     }
 
     /// Appends the pairs of different blocks that meet along their first pieces to the conflicts.
-    fn find_crossing(&mut self, window: &TimeWindow<'_>) {
+    fn find_crossing(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         // A pair that crosses may be deflected before it meets. It is simulated together all the
         // same, which costs time and changes no result.
         let all = self.blocks.iter().flat_map(|block| &block.crossing);
         let in_window = all.filter(|event| event.time <= window.end);
-        self.conflicts.extend(in_window.map(|event| event.pair));
+        memory::extend(&mut self.conflicts, in_window.map(|event| event.pair))
     }
 
     /// Appends the pairs of different blocks whose trajectories meet after an event to the
     /// conflicts.
-    fn find_meeting(&mut self, window: &TimeWindow<'_>) {
+    fn find_meeting(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         // One block knows all discs, so it has no neighbours outside.
         if !window.flight.pairs || self.blocks.len() < 2 {
-            return;
+            return Ok(());
         }
         let stop = Stop::current();
         let mut found = std::mem::take(&mut self.found);
-        found.resize_with(self.blocks.len(), Vec::new);
+        memory::resize_default(&mut found, self.blocks.len())?;
         let blocks = found.iter_mut().zip(&self.blocks);
-        parallel::for_each(window.flight.threads, blocks, |(found, block)| {
+        parallel::try_for_each(window.flight.threads, blocks, |(found, block)| {
             found.clear();
             let Block { number, range, .. } = block;
+            let mut done = Ok(());
             if stop.is_set() {
-                return;
+                return done;
             }
             self.neighbors.each_across(*number, range, |own, neighbor| {
                 // Pairs without any event follow their first pieces, which `find_crossing`
@@ -99,13 +103,19 @@ impl Events {
                 let (pair, image) = ([own, neighbor.index], self.neighbors.image(&neighbor));
                 // Both discs list the pair, and it may be found twice. Each is simulated once,
                 // because `sort_discs` removes duplicates.
-                if self.meet(window, pair, image, false) {
-                    found.push(pair);
+                if self.meet(window, pair, image, false)
+                    && let Err(error) = memory::push(found, pair)
+                {
+                    done = Err(error);
                 }
             });
-        });
-        self.conflicts.extend(found.iter().flatten());
+            done
+        })?;
+        for found in &found {
+            memory::append(&mut self.conflicts, found)?;
+        }
         self.found = found;
+        Ok(())
     }
 
     /// Simulates the discs of the conflicts again, with all whose histories depend on theirs. The
@@ -118,7 +128,7 @@ impl Events {
     ) -> Result<()> {
         // The repetition is one simulation on one thread. Its discs may be in any blocks, and those
         // of an island depend on each other.
-        self.reopen(window, all);
+        self.reopen(window, all)?;
         self.load_near(window);
         let stop = Stop::current();
         let mut scratch = locked(&self.scratch).pop().unwrap_or_default();
@@ -137,11 +147,12 @@ impl Events {
             stop: &stop,
             scratch: &mut scratch,
         };
-        simulation.run(&[], &self.discs);
+        simulation.run(&[], &self.discs)?;
         locked(&self.scratch).push(scratch);
-        self.connect_conflicts();
+        self.connect_conflicts()?;
         let mut found = std::mem::take(&mut self.conflicts);
         found.clear();
+        let mut done = Ok(());
         // Only pairs with a disc of this repetition can have changed, so only these are tested. Two
         // discs of this repetition already know each other.
         for Trajectory { index, .. } in &self.again.trajectories[base as usize..] {
@@ -150,14 +161,19 @@ impl Events {
                 let is_new = number & AGAIN != 0 && number & !AGAIN >= base;
                 let pair = [*index, neighbor.index];
                 let image = self.neighbors.image(neighbor);
-                if number != NONE && !is_new && self.meet(window, pair, image, true) {
-                    found.push(pair);
+                if number != NONE
+                    && !is_new
+                    && self.meet(window, pair, image, true)
+                    && let Err(error) = memory::push(&mut found, pair)
+                {
+                    done = Err(error);
                 }
             });
         }
         self.conflicts = found;
-        self.outside.clear();
-        self.outside.append(&mut self.again.outside);
+        done?;
+        memory::assign(&mut self.outside, &self.again.outside)?;
+        self.again.outside.clear();
         self.grow(window, bounds)?;
         self.find_meeting_new(window)
     }
@@ -165,9 +181,10 @@ impl Events {
     /// Makes one island of the discs of each conflict of the window, so that they are simulated
     /// together in all later repetitions, also if they do not collide. Without this, a disc that has
     /// conflicts with two others could be simulated again with each of them in turn, without end.
-    fn connect_conflicts(&mut self) {
+    fn connect_conflicts(&mut self) -> Result<()> {
         let Self { had_conflicts, conflicts, trajectory_of, again, .. } = self;
-        had_conflicts.append(conflicts);
+        memory::append(had_conflicts, conflicts)?;
+        conflicts.clear();
         for pair in had_conflicts {
             let trajectories = pair.map(|disc| trajectory_of[disc as usize]);
             if trajectories.iter().all(|&trajectory| trajectory != NONE && trajectory & AGAIN != 0)
@@ -176,6 +193,7 @@ impl Events {
                 again.connect(a, b);
             }
         }
+        Ok(())
     }
 
     /// Loads the first pieces of the discs that are simulated again, and of their neighbours, into
@@ -192,14 +210,14 @@ impl Events {
     /// lists these discs. If these are more than half of the discs with events, or if `all` is true,
     /// the other discs with events are added: one repetition for all costs less than several for
     /// nearly all.
-    fn reopen(&mut self, window: &TimeWindow<'_>, all: bool) {
+    fn reopen(&mut self, window: &TimeWindow<'_>, all: bool) -> Result<()> {
         let with_events =
             self.blocks.iter().map(|block| block.history.trajectories.len()).sum::<usize>();
         let conflicts = std::mem::take(&mut self.conflicts);
         self.discs.clear();
         // If a disc has another history, all discs with which it collided may have another one,
         // too. They form the island, and the island is removed as a whole.
-        self.reopen_islands(conflicts.iter().flatten().copied());
+        self.reopen_islands(conflicts.iter().flatten().copied())?;
         self.conflicts = conflicts;
         self.sort_discs(window);
         // The share of a half was found with inelastic discs that fall together. The mean time of a
@@ -207,11 +225,12 @@ impl Events {
         if all || self.discs.len() > with_events / 2 {
             for index in 0..self.trajectory_of.len() as u32 {
                 if self.trajectory_of[index as usize] != NONE {
-                    self.reopen_islands([index].into_iter());
+                    self.reopen_islands([index].into_iter())?;
                 }
             }
             self.sort_discs(window);
         }
+        Ok(())
     }
 
     /// Lists each movable disc that is simulated again once, in ascending order.
@@ -225,18 +244,19 @@ impl Events {
 
     /// Removes the trajectories of some discs and of all that depend on theirs, and appends these discs to
     /// the list.
-    fn reopen_islands(&mut self, indices: impl Iterator<Item = u32>) {
+    fn reopen_islands(&mut self, mut indices: impl Iterator<Item = u32>) -> Result<()> {
         let Self { trajectory_of, blocks, again, size, discs, .. } = self;
         let mut reopen = |index: u32| {
             let (history, mark) = match trajectory_of[index as usize] {
                 // Without a trajectory the disc is in no island, so it is listed alone.
-                NONE => return discs.push(index),
+                NONE => return memory::push(discs, index),
                 number if number & AGAIN != 0 => (&mut *again, AGAIN),
                 _ => (&mut blocks[index as usize / *size].history, 0),
             };
             // The flag lets `History::retain` skip its test of all bounces where nothing was
             // removed.
             history.has_removed = true;
+            let mut done = Ok(());
             history.each_of_island(trajectory_of[index as usize] & !AGAIN, |number| {
                 let member = history.trajectories[number as usize].index;
                 let trajectory = &mut trajectory_of[member as usize];
@@ -244,11 +264,14 @@ impl Events {
                 // removed twice.
                 if *trajectory == mark | number {
                     *trajectory = NONE;
-                    discs.push(member);
+                    if let Err(error) = memory::push(discs, member) {
+                        done = Err(error);
+                    }
                 }
             });
+            done
         };
-        indices.for_each(&mut reopen);
+        indices.try_for_each(&mut reopen)
     }
 
     /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times
@@ -310,7 +333,7 @@ impl Events {
             pulse.check(MEETING_WORK)?;
             let pair = [*a, neighbor.index];
             if self.meet(window, pair, self.neighbors.image(neighbor), true) {
-                conflicts.push(pair);
+                memory::push(&mut conflicts, pair)?;
             }
         }
         self.conflicts = conflicts;

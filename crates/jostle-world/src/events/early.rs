@@ -5,6 +5,8 @@ use std::ops::Range;
 use super::flight::{DEFERRED, Flight, Start, TimeWindow};
 use crate::tolerance::size_of;
 use crate::trajectory::Piece;
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_index::pairs::Path;
 
 /// Relative error, with a large reserve, of the squares of distances in float32. Too large a margin
@@ -236,8 +238,8 @@ impl TimeWindow<'_> {
     }
 
     /// Lists the discs of a range that are not settled.
-    pub fn list_unsettled(&self, range: Range<u32>, unsettled: &mut Vec<u32>) {
-        unsettled.resize(range.len(), 0);
+    pub fn list_unsettled(&self, range: Range<u32>, unsettled: &mut Vec<u32>) -> Result<()> {
+        memory::resize(unsettled, range.len(), 0)?;
         let mut count = 0;
         for index in range {
             // Without a branch, which would often be predicted wrongly.
@@ -245,6 +247,7 @@ impl TimeWindow<'_> {
             count += usize::from(!self.now[index as usize].is_settled);
         }
         unsettled.truncate(count);
+        Ok(())
     }
 
     /// Lists those of some discs that may hit a wall along their first pieces, and some others.
@@ -252,17 +255,17 @@ impl TimeWindow<'_> {
         &self,
         discs: impl ExactSizeIterator<Item = u32>,
         near: &'n mut Vec<u32>,
-    ) -> &'n [u32] {
+    ) -> Result<&'n [u32]> {
         let Flight { walls, gravity, .. } = self.flight;
         let container = walls.container;
         let (has_sides, has_walls) = (container.has_sides(), !walls.is_empty());
         near.clear();
         if !(has_sides || has_walls) {
-            return near;
+            return Ok(near);
         }
         let end = (self.end - self.begin) as f32;
         let fall = 0.5 * end * dot(gravity.map(|g| g as f32), gravity.map(|g| g as f32)).sqrt();
-        near.resize(discs.len(), 0);
+        memory::resize(near, discs.len(), 0)?;
         let mut count = 0;
         for index in discs {
             let Start { position, velocity, radius, .. } = self.now[index as usize];
@@ -284,7 +287,7 @@ impl TimeWindow<'_> {
                 self.may_touch_wall(index, &now, end, None)[1]
             });
         }
-        near
+        Ok(near)
     }
 
     #[inline(always)]

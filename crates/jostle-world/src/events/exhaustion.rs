@@ -31,6 +31,8 @@ use super::impulses::{self, Constraint};
 use super::simulation::{Scratch, Simulation};
 use crate::trajectory::{Piece, Vector, dot, vector};
 use crate::walls::index_of;
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Recent events from which on the collisions of a disc are elastic. A smaller number takes too
 /// little energy from dense crowds, a larger one costs time in those that collapse.
@@ -77,8 +79,11 @@ impl Flight<'_> {
     }
 
     /// The velocities that they have again after the flight.
-    pub(super) fn kept_velocities(&self, exhausted: &[u32]) -> Vec<(u32, [f32; 2])> {
-        self.standing(exhausted).map(|index| (index, self.motion(index).velocity)).collect()
+    pub(super) fn kept_velocities(&self, exhausted: &[u32]) -> Result<Vec<(u32, [f32; 2])>> {
+        let mut kept = Vec::new();
+        let all = self.standing(exhausted).map(|index| (index, self.motion(index).velocity));
+        memory::extend(&mut kept, all)?;
+        Ok(kept)
     }
 
     /// Recent events of a disc from which on it is exhausted.

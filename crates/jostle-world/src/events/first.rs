@@ -7,6 +7,8 @@ use super::flight::TimeWindow;
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::Event;
 use super::{Block, Events};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Candidate pairs that are tested at a time.
 const PAIRS: usize = 4096;
@@ -17,10 +19,10 @@ const FEW: usize = 4;
 impl Events {
     /// Finds the first impacts of the neighbours that were found after discs have left their bounds
     /// in an earlier window, and gives them to the blocks of their first discs.
-    pub(super) fn find_first_impacts_of_later(&mut self, window: &TimeWindow<'_>) {
+    pub(super) fn find_first_impacts_of_later(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         let Self { neighbors, blocks, size, .. } = self;
         if !window.flight.pairs {
-            return;
+            return Ok(());
         }
         for &(a, neighbor) in neighbors.later() {
             // Both of a pair have it in their lists.
@@ -29,9 +31,10 @@ impl Events {
             // the queue twice.
             if is_reversed(window, pair) == Some(false) {
                 let event = first_impact(window, neighbors, pair, neighbor.image);
-                blocks[a as usize / *size].take(window, event);
+                blocks[a as usize / *size].take(window, event)?;
             }
         }
+        Ok(())
     }
 }
 
@@ -44,25 +47,26 @@ impl Block {
         neighbors: &Neighbors,
         unsettled: &[u32],
         near: &mut Vec<[u32; 2]>,
-    ) {
+    ) -> Result<()> {
         if !window.flight.pairs {
-            return;
+            return Ok(());
         }
         // In a pile at rest nearly all discs are settled, and a pass over all pairs would find
         // nothing. With many unsettled discs the pass is better, because it reads memory in order.
         if unsettled.len() <= self.range.len() / FEW {
-            self.find_first_impacts_of(window, neighbors, unsettled);
+            self.find_first_impacts_of(window, neighbors, unsettled)?;
         } else {
-            self.find_first_impacts_inside(window, neighbors, near);
+            self.find_first_impacts_inside(window, neighbors, near)?;
         }
         // A pair across blocks is in the lists of both. `test` gives the event to the block of the
         // first disc alone.
         for &(pair, code) in &neighbors.block(self.number).across {
             let image = neighbors.image_of(code).map(|v| v as f32);
             if may_meet(window, pair, image) {
-                self.test(window, neighbors, pair, code);
+                self.test(window, neighbors, pair, code)?;
             }
         }
+        Ok(())
     }
 
     /// Finds the impacts of unsettled discs with others of this block. Settled discs have none with each other.
@@ -71,7 +75,7 @@ impl Block {
         window: &TimeWindow<'_>,
         neighbors: &Neighbors,
         unsettled: &[u32],
-    ) {
+    ) -> Result<()> {
         for &own in unsettled {
             for &Neighbor { index, image: code } in neighbors.at_start(own) {
                 // Both of two have the pair in their lists.
@@ -81,10 +85,11 @@ impl Block {
                     && !is_tested
                     && may_meet(window, [own, index], image)
                 {
-                    self.test(window, neighbors, [own, index], code);
+                    self.test(window, neighbors, [own, index], code)?;
                 }
             }
         }
+        Ok(())
     }
 
     /// Finds the impacts of all pairs of discs of this block.
@@ -93,7 +98,9 @@ impl Block {
         window: &TimeWindow<'_>,
         neighbors: &Neighbors,
         near: &mut Vec<[u32; 2]>,
-    ) {
+    ) -> Result<()> {
+        // A chunk of pairs at most is near.
+        memory::resize(near, PAIRS, [0; 2])?;
         let all = neighbors.block(self.number);
         for (list, range) in &all.inside {
             // The pairs are read where the search has written them. A list of their own for each
@@ -103,10 +110,11 @@ impl Block {
             for pairs in pairs[range.start as usize..range.end as usize].chunks(PAIRS) {
                 let count = find_near(window, pairs, *image, near);
                 for &pair in &near[..count] {
-                    self.test(window, neighbors, pair, code);
+                    self.test(window, neighbors, pair, code)?;
                 }
             }
         }
+        Ok(())
     }
 
     /// Takes the impact of two discs, if the first of them belongs to this block.
@@ -116,25 +124,26 @@ impl Block {
         neighbors: &Neighbors,
         [a, b]: [u32; 2],
         code: u32,
-    ) {
+    ) -> Result<()> {
         let (pair, code) = match is_reversed(window, [a, b]) {
             Some(true) => ([b, a], opposite(code)),
             _ => ([a, b], code),
         };
-        if self.range.contains(&pair[0]) {
-            self.take(window, first_impact(window, neighbors, pair, code));
+        if !self.range.contains(&pair[0]) {
+            return Ok(());
         }
+        self.take(window, first_impact(window, neighbors, pair, code))
     }
 
     /// Adds an event of a disc of this block.
-    fn take(&mut self, window: &TimeWindow<'_>, event: Option<Event>) {
-        let Some(event) = event else { return };
+    fn take(&mut self, window: &TimeWindow<'_>, event: Option<Event>) -> Result<()> {
+        let Some(event) = event else { return Ok(()) };
         let partner = event.pair[1];
         let is_inside =
             self.range.contains(&partner) || !window.starts[partner as usize].is_movable;
         // Impacts across blocks are not executed. They are conflicts from the beginning, see
         // `find_crossing`.
-        if is_inside { self.first.push(event) } else { self.crossing.push(event) }
+        memory::push(if is_inside { &mut self.first } else { &mut self.crossing }, event)
     }
 }
 
@@ -143,10 +152,8 @@ fn find_near(
     window: &TimeWindow<'_>,
     pairs: &[[u32; 2]],
     image: [f32; 2],
-    near: &mut Vec<[u32; 2]>,
+    near: &mut [[u32; 2]],
 ) -> usize {
-    // The list only grows, so that it is not filled with zeros for each chunk.
-    near.resize(near.len().max(pairs.len()), Default::default());
     let near = &mut near[..pairs.len()];
     let mut count = 0;
     for pair in pairs {

@@ -13,7 +13,8 @@ use crate::trajectory::{
     Impact, Limits, Piece, Relative, Vector, dot, restitution_at_rest, vector,
 };
 use crate::walls::{Around, WallContact, number_of};
-use jostle_base::parallel;
+use jostle_base::error::Result;
+use jostle_base::{memory, parallel};
 
 /// An impact without which the surfaces would overlap by less than this share of the size at the
 /// end of the flight is left out, if it loses energy and follows another impact in the flight. A
@@ -125,8 +126,8 @@ impl TimeWindow<'_> {
 
     /// Writes where all discs are when the window begins, rounded to float32. Those that have
     /// ended count as immovable.
-    pub fn fill_now(&self, now: &mut Vec<Start>) {
-        now.resize(self.starts.len(), Start::default());
+    pub fn fill_now(&self, now: &mut Vec<Start>) -> Result<()> {
+        memory::resize(now, self.starts.len(), Start::default())?;
         parallel::for_chunks(self.flight.threads, now, |first, now| {
             for (now, index) in now.iter_mut().zip(first..) {
                 let (start, trajectory) = (self.starts[index], self.carried(index as u32));
@@ -146,6 +147,7 @@ impl TimeWindow<'_> {
                 };
             }
         });
+        Ok(())
     }
 }
 
@@ -201,8 +203,8 @@ impl Flight<'_> {
     }
 
     /// Writes how all discs begin. Those in `exhausted` that lose no energy stand still.
-    pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
-        starts.resize(self.particles.len(), Start::default());
+    pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) -> Result<()> {
+        memory::resize(starts, self.particles.len(), Start::default())?;
         let Self { particles, kicks, .. } = *self;
         let has_gravity = self.gravity != [0.0; 2];
         parallel::for_chunks(self.threads, starts, |first, starts| {
@@ -234,6 +236,7 @@ impl Flight<'_> {
             }
         });
         self.stop(starts, exhausted);
+        Ok(())
     }
 }
 

@@ -9,6 +9,8 @@ use super::flight::TimeWindow;
 use super::impulses::{Constraint, MAX_ITERATIONS, TOLERANCE};
 use super::simulation::Simulation;
 use crate::trajectory::{Piece, Vector, dot, vector};
+use jostle_base::error::Result;
+use jostle_base::reserve;
 
 /// The rotation of a disc during a flight.
 #[derive(Clone, Copy, Debug, Default)]
@@ -116,6 +118,12 @@ pub struct FrictionScratch {
 }
 
 impl FrictionScratch {
+    /// Reserves memory for so many discs and contacts.
+    pub fn reserve(&mut self, len: usize) -> Result<()> {
+        reserve!(len; self.rotors, self.bounced);
+        Ok(())
+    }
+
     /// Changes velocities and surface speeds by the friction of all `touches` after the impulses
     /// along their normals, and makes surfaces that approach because of that stay together. Each of
     /// `impulses` begins as the impulse along the normal, and ends as that and that of friction.

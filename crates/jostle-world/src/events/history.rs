@@ -5,6 +5,8 @@ use std::cmp::Ordering;
 use super::Outside;
 use super::friction::Turning;
 use crate::trajectory::{Piece, Vector};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Stands for no trajectory and for no piece.
 pub const NONE: u32 = u32::MAX;
@@ -68,12 +70,12 @@ impl Bounce {
 }
 
 /// Inserts sorted bounces into sorted ones.
-pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) {
+pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) -> Result<()> {
     // A merge from the end, in place: the tail moves to its final place first, so nothing is
     // overwritten before it is read. Only bounces after the first insertion move.
-    let Some(&last) = more.last() else { return };
+    let Some(&last) = more.last() else { return Ok(()) };
     let mut before = all.len();
-    all.resize(before + more.len(), last);
+    memory::resize(all, before + more.len(), last)?;
     let mut end = all.len();
     for bounce in more.iter().rev() {
         while before > 0 && all[before - 1].order(bounce).is_gt() {
@@ -83,6 +85,7 @@ pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) {
         end -= 1;
         all[end] = *bounce;
     }
+    Ok(())
 }
 
 /// The trajectories of some discs.
@@ -122,9 +125,20 @@ impl History {
         self.exhausted.clear();
     }
 
+    /// Reserves memory for events that give `discs` discs new velocities, in as many contacts at most.
+    pub fn reserve(&mut self, discs: usize, has_friction: bool) -> Result<()> {
+        memory::reserve(&mut self.trajectories, discs)?;
+        memory::reserve(&mut self.turnings, if has_friction { discs } else { 0 })?;
+        memory::reserve(&mut self.ended, discs)?;
+        memory::reserve(&mut self.bounces, discs)?;
+        memory::reserve(&mut self.outside, discs)?;
+        memory::reserve(&mut self.exhausted_trajectories, discs)?;
+        memory::reserve(&mut self.collapsed, discs)
+    }
+
     /// Keeps what belongs to trajectories that are still valid, and lists the exhausted discs.
     /// `mark` is added to the numbers of these trajectories in `trajectory_of`.
-    pub fn retain(&mut self, mark: u32, trajectory_of: &[u32]) {
+    pub fn retain(&mut self, mark: u32, trajectory_of: &[u32]) -> Result<()> {
         let trajectories = &self.trajectories;
         let is_valid = |number: u32| {
             trajectory_of[trajectories[number as usize].index as usize] == mark | number
@@ -141,7 +155,8 @@ impl History {
         }
         self.collapsed.retain(|&number| is_valid(number));
         let exhausted = self.exhausted_trajectories.iter().filter(|&&number| is_valid(number));
-        self.exhausted.extend(exhausted.map(|&number| trajectories[number as usize].index));
+        let exhausted = exhausted.map(|&number| trajectories[number as usize].index);
+        memory::extend(&mut self.exhausted, exhausted)
     }
 
     /// The trajectory that stands for the island of a trajectory.
@@ -217,9 +232,11 @@ impl Carried {
 
     /// Takes the trajectories with events of a window of `len` discs. `mark` is added to the numbers of
     /// valid trajectories in `trajectory_of`.
-    pub fn take(&mut self, history: &History, mark: u32, trajectory_of: &[u32]) {
+    pub fn take(&mut self, history: &History, mark: u32, trajectory_of: &[u32]) -> Result<()> {
         let Self { numbers, trajectories, turnings } = self;
-        numbers.resize(trajectory_of.len(), NONE);
+        memory::resize(numbers, trajectory_of.len(), NONE)?;
+        memory::reserve(trajectories, history.trajectories.len())?;
+        memory::reserve(turnings, history.turnings.len())?;
         for (number, trajectory) in (0..).zip(&history.trajectories) {
             let index = trajectory.index as usize;
             // A trajectory without events says nothing that the first piece does not.
@@ -238,6 +255,7 @@ impl Carried {
                 turnings.extend(turning);
             }
         }
+        Ok(())
     }
 }
 

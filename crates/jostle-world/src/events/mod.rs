@@ -41,6 +41,7 @@ pub use history::Bounce;
 use history::{Carried, History, NONE, Pieces, Trajectory};
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::{self, Stop};
+use jostle_base::memory;
 use jostle_base::parallel::{self, locked};
 use neighbors::Neighbor;
 use neighbors::Neighbors;
@@ -132,8 +133,8 @@ impl Events {
         let before = std::mem::take(&mut self.exhausted);
         // Discs that an earlier sub-step exhausted stay so until the end of the step. Otherwise a
         // row that collapses would cost its full number of events in each sub-step.
-        flight.fill(&mut starts, &before);
-        let kept = flight.kept_velocities(&before);
+        flight.fill(&mut starts, &before)?;
+        let kept = flight.kept_velocities(&before)?;
         carried.clear();
         let (mut begin, mut horizon) = (0.0, bounds.horizon());
         // A window has a least length, so that the number of windows of a sub-step is bounded.
@@ -162,7 +163,7 @@ impl Events {
             if begin > 0.0 {
                 // The first window reads `starts` itself. Later ones need present places in
                 // float32, for the early tests alone.
-                window.fill_now(&mut now);
+                window.fill_now(&mut now)?;
                 window.now = &now;
             }
             if begin >= horizon {
@@ -184,7 +185,7 @@ impl Events {
             begin = self.simulate_window(window, bounds, shortest)?;
             // After the last window nothing continues.
             if begin < flight.end {
-                self.carry_over(&mut carried);
+                self.carry_over(&mut carried)?;
             }
         }
         // Of a distributed world [`World::step`](crate::World::step) refuses it, on all processes.
@@ -196,7 +197,7 @@ impl Events {
         for (index, velocity) in kept {
             flight.motions.set(index, Motion { velocity, ..flight.motions.get(index) });
         }
-        self.exhausted.extend(before);
+        memory::append(&mut self.exhausted, &before)?;
         self.exhausted.sort_unstable();
         (self.starts, self.now, self.carried) = (starts, now, carried);
         (self.anchors, self.candidates) = (anchors, candidates);
@@ -218,12 +219,11 @@ impl Events {
         // window by window. So the process with the shortest horizon decides.
         let seconds = shortest_of_all(flight, seconds)?;
         anchors.clear();
-        anchors.extend(window.now.iter().map(|of| of.position));
+        memory::extend(anchors, window.now.iter().map(|of| of.position))?;
         self.is_renewed = true;
         let lists = (&candidates.pairs[..], candidates.offsets.iter().copied());
-        self.neighbors.fill(window.starts.len(), lists, self.size, flight.threads);
-        self.sensed_near.clear();
-        self.sensed_near.extend(&candidates.sensed);
+        self.neighbors.fill(window.starts.len(), lists, self.size, flight.threads)?;
+        memory::assign(&mut self.sensed_near, &candidates.sensed)?;
         Ok(seconds)
     }
 
@@ -246,10 +246,10 @@ impl Events {
         // that, conflicts between blocks are resolved. At last the results are collected.
         // The second part needs the impacts of all blocks, so it is a barrier between two parallel
         // regions.
-        self.prepare(window.starts.len());
+        self.prepare(window.starts.len())?;
         window.end = end_for_the_fast(&window, shortest)?;
         bounds.begin_window();
-        self.neighbors.begin_window();
+        self.neighbors.begin_window()?;
         // Neighbours that were found only because a disc left its bounds in the last window are
         // forgotten. Those that may also meet later are kept.
         self.sensed_near.retain(|near| near.lasts);
@@ -257,19 +257,19 @@ impl Events {
             // Bounds grow before the first impacts are searched: these must include all discs that
             // a first piece can reach. In the first window they hold by construction if `bounded`
             // says so.
-            find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
+            find_outside_at_start(&window, bounds.reaches(), &mut self.outside)?;
             self.grow(&window, bounds)?;
         }
-        self.find_first_impacts_of_later(&window);
+        self.find_first_impacts_of_later(&window)?;
         // A window with few first impacts has few conflicts. Blocks would otherwise simulate long
         // histories that a disc of another block makes invalid.
         let (reaches, most) = (bounds.reaches(), most_impacts(window.starts.len()));
         self.each_block(&window, reaches, |block, mut arguments| {
             block.load_starts(&arguments);
             let Scratch { near, near_walls, unsettled, .. } = &mut *arguments.scratch;
-            window.list_unsettled(block.range.clone(), unsettled);
-            block.find_first_impacts(&window, arguments.neighbors, unsettled, near);
-            block.find_first_wall_impacts(&window, unsettled, near_walls);
+            window.list_unsettled(block.range.clone(), unsettled)?;
+            block.find_first_impacts(&window, arguments.neighbors, unsettled, near)?;
+            block.find_first_wall_impacts(&window, unsettled, near_walls)?;
             block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
@@ -277,9 +277,10 @@ impl Events {
             // with no more than its share of the allowed impacts takes the full window. If the
             // window becomes shorter, `shorten` discards the history.
             if block.impacts_until([window.begin, window.end]) as u64 <= share {
-                block.simulate(&mut arguments);
+                block.simulate(&mut arguments)?;
             }
-        });
+            Ok(())
+        })?;
         interrupt::check()?;
         // The sum over all blocks does not depend on the order of summation, since it counts
         // events. So the end of the window does not depend on threads.
@@ -293,35 +294,36 @@ impl Events {
                 block.shorten(&window);
             }
             if !block.is_simulated {
-                block.simulate(&mut arguments);
+                block.simulate(&mut arguments)?;
             }
-        });
+            Ok(())
+        })?;
         interrupt::check()?;
         // From here on all blocks have a history. Only after conflicts are resolved are the
         // trajectories correct: what reads them must come later.
         self.resolve_conflicts(&window, bounds)?;
-        self.find_beyond_reach(&window);
-        self.find_sensed(&window);
-        self.digest_shared(&window);
+        self.find_beyond_reach(&window)?;
+        self.find_sensed(&window)?;
+        self.digest_shared(&window)?;
         if window.is_last() {
             self.finish(&window);
         }
-        self.collect(&window);
+        self.collect(&window)?;
         Ok(window.end)
     }
 
     /// Lets the discs that had events in a window continue from there in the next.
-    fn carry_over(&self, carried: &mut Carried) {
+    fn carry_over(&self, carried: &mut Carried) -> Result<()> {
         for block in &self.blocks {
-            carried.take(&block.history, 0, &self.trajectory_of);
+            carried.take(&block.history, 0, &self.trajectory_of)?;
         }
-        carried.take(&self.again, AGAIN, &self.trajectory_of);
+        carried.take(&self.again, AGAIN, &self.trajectory_of)
     }
 
     /// Begins a part of a step of `len` discs: clears its results.
-    pub fn begin_part(&mut self, len: usize) {
+    pub fn begin_part(&mut self, len: usize) -> Result<()> {
         self.counts.clear();
-        self.counts.resize(len, 0);
+        memory::resize(&mut self.counts, len, 0)?;
         *self.has_too_many.get_mut() = false;
         self.bounced.clear();
         self.sensed.clear();
@@ -332,22 +334,28 @@ impl Events {
         self.may_be_beyond_reach.clear();
         self.digests.clear();
         self.may_meet.clear();
+        Ok(())
     }
 
     /// Takes the candidate pairs of a step of `len` discs, a list for each image of a torus.
-    pub fn take_pairs(&mut self, len: usize, lists: &[PairList], threads: Option<usize>) {
+    pub fn take_pairs(
+        &mut self,
+        len: usize,
+        lists: &[PairList],
+        threads: Option<usize>,
+    ) -> Result<()> {
         self.size = block::size(len, threads);
         self.is_renewed = false;
         // The images of a step are offsets in float32, so that they are the same numbers in the
         // tests in float32 and in float64.
         let offsets = lists.iter().map(|(image, _)| image.map(f64::from));
-        self.neighbors.fill(len, (lists, offsets), self.size, threads);
+        self.neighbors.fill(len, (lists, offsets), self.size, threads)
     }
 
     /// Makes blocks of all discs.
-    fn prepare(&mut self, len: usize) {
+    fn prepare(&mut self, len: usize) -> Result<()> {
         self.again.clear();
-        self.blocks.resize_with(len.div_ceil(self.size), Block::default);
+        memory::resize_default(&mut self.blocks, len.div_ceil(self.size))?;
         // All blocks but the last have the same size, so the block of a disc follows from its
         // index.
         let starts = (0..).step_by(self.size);
@@ -355,7 +363,7 @@ impl Events {
             block.begin_window(number, start..(len as u32).min(start + self.size as u32));
         }
         self.trajectory_of.clear();
-        self.trajectory_of.resize(len, NONE);
+        memory::resize(&mut self.trajectory_of, len, NONE)
     }
 
     /// Calls `act` with each block and the arguments to simulate it by itself.
@@ -363,28 +371,29 @@ impl Events {
         &mut self,
         window: &TimeWindow<'_>,
         reaches: &[f32],
-        act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
-    ) {
+        act: impl Fn(&mut Block, Arguments<'_>) -> Result<()> + Sync + Send,
+    ) -> Result<()> {
         // `trajectory_of` is divided into one part for each block, so that no two threads can write to
         // the same part. The borrow checker proves this; no lock is needed.
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
         let blocks = self.blocks.iter_mut().zip(self.trajectory_of.chunks_mut(self.size));
-        parallel::for_each(window.flight.threads, blocks, |(block, trajectory_of)| {
+        parallel::try_for_each(window.flight.threads, blocks, |(block, trajectory_of)| {
             // The caller returns an error after an interruption and discards all histories. So
             // blocks that have not begun may be left out.
             if stop.is_set() {
-                return;
+                return Ok(());
             }
             // A pool, and not one scratch for each block: there are many blocks and few threads.
             // The lock is held for a `pop` and a `push` for each block only.
             let mut scratch = locked(pool).pop().unwrap_or_default();
             let (scratch_of, stop) = (&mut scratch, &stop);
-            act(
+            let done = act(
                 block,
                 Arguments { window, neighbors, trajectory_of, reaches, stop, scratch: scratch_of },
             );
             locked(pool).push(scratch);
-        });
+            done
+        })
     }
 
     /// The trajectory of a disc.
@@ -445,7 +454,7 @@ impl Events {
     }
 
     /// Takes what belongs to valid trajectories.
-    fn collect(&mut self, window: &TimeWindow<'_>) {
+    fn collect(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         let trajectory_of = &self.trajectory_of;
         let halo = window.flight.halo;
         // Only valid trajectories are counted. Events of histories that were discarded are not a
@@ -461,33 +470,35 @@ impl Events {
             }
         };
         let blocks = self.blocks.iter_mut().zip(self.counts.chunks_mut(self.size));
-        parallel::for_each(window.flight.threads, blocks, |(block, counts)| {
+        parallel::try_for_each(window.flight.threads, blocks, |(block, counts)| {
             for (number, trajectory) in (0..).zip(&block.history.trajectories) {
                 if trajectory_of[trajectory.index as usize] == number {
                     count(&mut counts[(trajectory.index - block.range.start) as usize], trajectory);
                 }
             }
-            block.history.retain(0, trajectory_of);
-        });
+            block.history.retain(0, trajectory_of)
+        })?;
         for (number, trajectory) in (0..).zip(&self.again.trajectories) {
             if trajectory_of[trajectory.index as usize] == AGAIN | number {
                 count(&mut self.counts[trajectory.index as usize], trajectory);
             }
         }
-        self.again.retain(AGAIN, trajectory_of);
+        self.again.retain(AGAIN, trajectory_of)?;
         // The exhausted discs are sorted when the sub-step ends, and the collapsed ones are only
         // counted. So the order of these lists does not matter.
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
-            self.exhausted.extend(&history.exhausted);
+            memory::append(&mut self.exhausted, &history.exhausted)?;
             let index = |&number: &u32| history.trajectories[number as usize].index;
-            self.collapsed.extend(history.collapsed.iter().map(index));
+            memory::extend(&mut self.collapsed, history.collapsed.iter().map(index))?;
         }
         // Those of one window are sorted, for the most part.
         // Each block has sorted its own bounces in parallel, and blocks have ascending indices. Few
         // bounces belong to discs that were simulated again, so an insertion costs less than a sort
         // of all.
-        self.blocks.iter().for_each(|block| self.bounced.extend(&block.history.bounces));
+        for block in &self.blocks {
+            memory::append(&mut self.bounced, &block.history.bounces)?;
+        }
         self.again.bounces.sort_unstable_by(Bounce::order);
-        history::insert(&mut self.bounced, &self.again.bounces);
+        history::insert(&mut self.bounced, &self.again.bounces)
     }
 }

@@ -5,9 +5,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::trajectory::Vector;
-use jostle_base::cache;
-use jostle_base::parallel;
-use jostle_base::sorting;
+use jostle_base::error::Result;
+use jostle_base::{cache, memory, parallel, sorting};
 
 /// Candidate pairs, with the image of the second discs.
 pub type PairList = ([f32; 2], Vec<[u32; 2]>);
@@ -121,7 +120,7 @@ impl Images {
 
 impl Part {
     /// Takes pairs that begin at `start` of their list.
-    fn fill(&mut self, pairs: &[[u32; 2]], start: u32, size: u32) {
+    fn fill(&mut self, pairs: &[[u32; 2]], start: u32, size: u32) -> Result<()> {
         self.inside.clear();
         self.across.clear();
         let mut at = 0;
@@ -129,7 +128,7 @@ impl Part {
             let block = a / size;
             let is_inside = |disc: u32| disc.wrapping_sub(block * size) < size;
             if !is_inside(b) {
-                self.across.push([a, b]);
+                memory::push(&mut self.across, [a, b])?;
                 at += 1;
                 continue;
             }
@@ -137,15 +136,16 @@ impl Part {
             // A run is stored as a range, and no pair is copied.
             let run = pairs[at..].iter().take_while(|[a, b]| is_inside(*a) & is_inside(*b));
             let end = at + run.count();
-            self.inside.push((block, start + at as u32..start + end as u32));
+            memory::push(&mut self.inside, (block, start + at as u32..start + end as u32))?;
             at = end;
         }
+        Ok(())
     }
 }
 
 impl NearBlock {
     /// Lists the neighbours of each disc.
-    fn fill(&mut self, lists: &[PairList], codes: impl Fn(u32) -> u32) {
+    fn fill(&mut self, lists: &[PairList], codes: impl Fn(u32) -> u32) -> Result<()> {
         let Self { first, len, inside, across, starts, all } = self;
         let of_inside = inside.iter().flat_map(|(list, range)| {
             let (pairs, code) = (&lists[*list as usize].1, codes(*list));
@@ -160,9 +160,9 @@ impl NearBlock {
                 },
             );
         let of_inside_len: usize = inside.iter().map(|(_, range)| 2 * range.len()).sum();
-        starts.resize(*len + 1, 0);
+        memory::resize(starts, *len + 1, 0)?;
         starts[0] = 0;
-        all.resize(of_inside_len + across.len(), Neighbor::default());
+        memory::resize(all, of_inside_len + across.len(), Neighbor::default())?;
         // Sorting by counting keeps the order of the input within each disc. So the order of
         // neighbours follows from the lists of pairs.
         sorting::counting_sort(
@@ -172,6 +172,7 @@ impl NearBlock {
             &mut starts[1..],
             all,
         );
+        Ok(())
     }
 
     /// The neighbours of a disc of this block.
@@ -192,7 +193,7 @@ impl Neighbors {
         (lists, offsets): (&[PairList], impl Iterator<Item = Vector>),
         size: usize,
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         let Self { blocks, parts, later, lasting, has_later, images, codes, .. } = self;
         self.size = size;
         later.clear();
@@ -208,15 +209,15 @@ impl Neighbors {
             })
         };
         let count = chunks().count();
-        parts.resize_with(parts.len().max(count), Part::default);
+        memory::resize_default(parts, parts.len().max(count))?;
         let parts = &mut parts[..count];
         // Each thread sorts its own chunk of pairs into its own part. No two threads write to the
         // same block.
         let tasks = parts.iter_mut().zip(chunks());
-        parallel::for_each(threads, tasks, |(part, (_, (pairs, start)))| {
-            part.fill(pairs, start, size as u32);
-        });
-        blocks.resize_with(blocks.len().max(len.div_ceil(size)), NearBlock::default);
+        parallel::try_for_each(threads, tasks, |(part, (_, (pairs, start)))| {
+            part.fill(pairs, start, size as u32)
+        })?;
+        memory::resize_default(blocks, blocks.len().max(len.div_ceil(size)))?;
         for (block, first) in blocks.iter_mut().zip((0..).step_by(size)) {
             block.first = first as u32;
             block.len = size.min(len.saturating_sub(first));
@@ -228,18 +229,18 @@ impl Neighbors {
         for (part, (list, _)) in parts.iter().zip(chunks()) {
             let code = codes[list as usize];
             for (block, range) in &part.inside {
-                blocks[*block as usize].inside.push((list, range.clone()));
+                memory::push(&mut blocks[*block as usize].inside, (list, range.clone()))?;
             }
             for &pair in &part.across {
                 for disc in pair {
-                    blocks[disc as usize / size].across.push((pair, code));
+                    memory::push(&mut blocks[disc as usize / size].across, (pair, code))?;
                 }
             }
         }
         let blocks = &mut blocks[..len.div_ceil(size)];
-        parallel::for_each(threads, blocks.iter_mut(), |block| {
-            block.fill(lists, |list| codes[list as usize]);
-        });
+        parallel::try_for_each(threads, blocks.iter_mut(), |block| {
+            block.fill(lists, |list| codes[list as usize])
+        })
     }
 
     /// The neighbours of the discs of a block.
@@ -323,9 +324,11 @@ impl Neighbors {
     }
 
     /// Adds pairs. Lists those that are new, with the numbers of their images.
-    pub fn add(&mut self, pairs: &[NearPair], new: &mut Vec<(u32, Neighbor)>) {
+    pub fn add(&mut self, pairs: &[NearPair], new: &mut Vec<(u32, Neighbor)>) -> Result<()> {
         let key = |&(of, found): &(u32, Neighbor)| (of, found.index, found.image);
         new.clear();
+        memory::reserve(new, pairs.len())?;
+        memory::reserve(&mut self.lasting, 2 * pairs.len())?;
         for &NearPair { pair: [a, b], offset, lasts } in pairs {
             let image = self.images.number(offset);
             let both = [
@@ -346,31 +349,34 @@ impl Neighbors {
         // Both discs may have left their bounds and found each other.
         new.dedup_by_key(|pair| key(pair));
         new.retain(|pair| self.later.binary_search_by_key(&key(pair), key).is_err());
+        memory::reserve(&mut self.later, 2 * new.len())?;
         for &(a, Neighbor { index: b, image }) in new.iter() {
             self.later.push((a, Neighbor { index: b, image }));
             self.later.push((b, Neighbor { index: a, image: opposite(image) }));
         }
         self.later.sort_unstable_by_key(key);
         let len = self.blocks.iter().map(|block| block.len).sum();
-        self.has_later.resize(len, false);
+        memory::resize(&mut self.has_later, len, false)?;
         new.iter().flat_map(|&(a, found)| [a, found.index]).for_each(|of| {
             self.has_later[of as usize] = true;
         });
+        Ok(())
     }
 
     /// Forgets the neighbours that were added for the window before.
-    pub fn begin_window(&mut self) {
+    pub fn begin_window(&mut self) -> Result<()> {
         let Self { later, lasting, has_later, .. } = self;
         if later.is_empty() {
-            return;
+            return Ok(());
         }
         let key = |&(of, found): &(u32, Neighbor)| (of, found.index, found.image);
         lasting.sort_unstable_by_key(key);
         lasting.dedup_by_key(|pair| key(pair));
         // The memory of `later` is kept, so a window allocates nothing here.
-        later.clone_from(lasting);
+        memory::assign(later, lasting)?;
         has_later.fill(false);
         later.iter().for_each(|&(of, _)| has_later[of as usize] = true);
+        Ok(())
     }
 
     /// Whether a pair was one of the candidate pairs.

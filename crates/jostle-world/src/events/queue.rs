@@ -5,6 +5,8 @@ use std::collections::BinaryHeap;
 
 use super::neighbors::opposite;
 use crate::trajectory::{Impact, Kind};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Takes the place of the partner in an event with a wall.
 pub const WALL: u32 = u32::MAX;
@@ -77,29 +79,36 @@ pub struct Queue {
 
 impl Queue {
     /// Replaces all events.
-    pub fn fill<'a>(&mut self, all: impl Iterator<Item = &'a Event>) {
+    pub fn fill<'a>(&mut self, all: impl Iterator<Item = &'a Event>) -> Result<()> {
         // First events are known all at once. To sort them costs less than to push them one by one,
         // and to pop from the end of a sorted list costs nothing. Later events are few at a time,
         // so they use a heap.
         let Self { first, order, later } = self;
         later.clear();
         first.clear();
-        first.extend(all);
+        memory::extend(first, all.copied())?;
         order.clear();
         // The sort moves 16 bytes instead of a whole event, and most comparisons need the time
         // alone.
-        order.extend(first.iter().map(|event| event.time).zip(0..));
+        memory::extend(order, first.iter().map(|event| event.time).zip(0..))?;
         let event = |&(_, at): &(f64, u32)| &first[at as usize];
         order.sort_unstable_by(|a, b| {
             // In descending order, so that the earliest event is the last and is popped without a
             // shift.
             b.0.total_cmp(&a.0).then_with(|| event(b).cmp_at_once(event(a)))
         });
+        Ok(())
     }
 
     /// Adds an event.
-    pub fn push(&mut self, event: Event) {
+    pub fn push(&mut self, event: Event) -> Result<()> {
+        if self.later.len() == self.later.capacity() {
+            let more = self.later.try_reserve(1);
+            let len = self.later.len() + 1;
+            more.map_err(|error| memory::no_memory::<Event>(&error, len))?;
+        }
         self.later.push(Reverse(event));
+        Ok(())
     }
 
     /// Removes the earliest event.

@@ -3,9 +3,11 @@
 use super::Events;
 use super::flight::TimeWindow;
 use super::history::TimedPiece;
+use super::neighbors::NearPair;
 use crate::trajectory::{Relative, Vector};
+use jostle_base::error::Result;
 use jostle_base::interrupt::Stop;
-use jostle_base::parallel;
+use jostle_base::{memory, parallel};
 
 /// Pairs that one thread tests at a time.
 const PAIRS: usize = 4096;
@@ -13,37 +15,42 @@ const PAIRS: usize = 4096;
 impl Events {
     /// Appends the pairs that touch along their trajectories in the window, of those that pass
     /// through each other.
-    pub(super) fn find_sensed(&mut self, window: &TimeWindow<'_>) {
+    pub(super) fn find_sensed(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         // Those of renewed bounds are in another list.
         let sensed = if window.anchors.is_some() { &[] } else { window.flight.sensed };
         let is_any = sensed.iter().any(|(_, pairs)| !pairs.is_empty());
         if !is_any && self.sensed_near.is_empty() {
-            return;
+            return Ok(());
         }
-        let lists = sensed.iter();
         // Trajectories are final here, and this test changes none. So it needs no repetition, and
         // each pair is tested alone.
-        let parts: Vec<_> = lists
-            .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(move |part| (*image, part)))
-            .collect();
-        let mut found = std::mem::take(&mut self.found);
-        found.resize_with(found.len().max(parts.len()), Vec::new);
+        let parts = sensed
+            .iter()
+            .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(move |part| (*image, part)));
+        let (mut found, count) = (std::mem::take(&mut self.found), parts.clone().count());
+        let len = found.len().max(count);
+        memory::resize_default(&mut found, len)?;
         let stop = Stop::current();
-        let tasks = found.iter_mut().zip(&parts);
-        parallel::for_each(window.flight.threads, tasks, |(found, (image, pairs))| {
+        let tasks = found.iter_mut().zip(parts);
+        parallel::try_for_each(window.flight.threads, tasks, |(found, (image, pairs))| {
             found.clear();
-            if !stop.is_set() {
-                let image = image.map(f64::from);
-                found.extend(pairs.iter().filter(|&&pair| self.pass(window, pair, image)));
+            if stop.is_set() {
+                return Ok(());
             }
-        });
-        self.sensed.extend(found[..parts.len()].iter().flatten());
+            let image = image.map(f64::from);
+            let passing = pairs.iter().copied().filter(|&pair| self.pass(window, pair, image));
+            memory::extend(found, passing)
+        })?;
+        for found in &found[..count] {
+            memory::append(&mut self.sensed, found)?;
+        }
         self.found = found;
-        let near = std::mem::take(&mut self.sensed_near);
-        let touching = near.iter().filter(|near| self.pass(window, near.pair, near.offset));
-        let touching: Vec<[u32; 2]> = touching.map(|near| near.pair).collect();
-        self.sensed.extend(touching);
-        self.sensed_near = near;
+        let mut sensed = std::mem::take(&mut self.sensed);
+        let passes = |near: &&NearPair| self.pass(window, near.pair, near.offset);
+        let touching = self.sensed_near.iter().filter(passes).map(|near| near.pair);
+        memory::extend(&mut sensed, touching)?;
+        self.sensed = sensed;
+        Ok(())
     }
 
     /// Whether two discs may touch, and their trajectories come so near each other that their surfaces touch.
@@ -62,17 +69,18 @@ impl Events {
 
     /// Moves the pairs that pass through each other from those near each other in larger bounds to
     /// those to be tested for touching.
-    pub(super) fn take_sensed(&mut self, window: &TimeWindow<'_>) {
+    pub(super) fn take_sensed(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         let particles = window.flight.particles;
         let all_pass = !window.flight.pairs;
         if !all_pass && particles.sensors.is_empty() {
-            return;
+            return Ok(());
         }
         let passes = |[a, b]: [u32; 2]| {
             all_pass || particles.is_sensor(a as usize) || particles.is_sensor(b as usize)
         };
         let Self { near, sensed_near, .. } = self;
-        sensed_near.extend(near.iter().filter(|near| passes(near.pair)));
+        memory::extend(sensed_near, near.iter().copied().filter(|near| passes(near.pair)))?;
         near.retain(|near| !passes(near.pair));
+        Ok(())
     }
 }

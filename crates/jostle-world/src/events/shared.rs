@@ -6,6 +6,7 @@ use super::flight::TimeWindow;
 use super::window::most_impacts;
 use crate::halo::{digest, digest_all};
 use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Lengths of a window, each half as long as the one before.
 const LENGTHS: usize = 11;
@@ -47,13 +48,13 @@ impl Events {
 
     /// Adds the trajectories in the window to the hashes, and finds which ghosts may meet discs of
     /// this process.
-    pub(super) fn digest_shared(&mut self, window: &TimeWindow<'_>) {
+    pub(super) fn digest_shared(&mut self, window: &TimeWindow<'_>) -> Result<()> {
         let halo = window.flight.halo;
         if halo.is_alone() {
-            return;
+            return Ok(());
         }
-        self.digests.resize(halo.shared().len(), 0);
-        self.may_meet.resize(halo.shared().len(), false);
+        memory::resize(&mut self.digests, halo.shared().len(), 0)?;
+        memory::resize(&mut self.may_meet, halo.shared().len(), false)?;
         for (at, &index) in halo.shared().iter().enumerate() {
             let hash = self.digest_of(window, index, self.digests[at]);
             self.digests[at] = hash;
@@ -66,6 +67,7 @@ impl Events {
             });
             self.may_meet[at] = meets;
         }
+        Ok(())
     }
 
     /// A hash of `hash` and the trajectory of a disc. Without events and kicks it follows from its start,

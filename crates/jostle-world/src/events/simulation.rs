@@ -17,11 +17,16 @@ use super::{MAX_COLLISIONS, Outside};
 use crate::halo::{digest, digest_all};
 use crate::trajectory::{Kind, Piece, Vector, dot, vector};
 use crate::walls::WallContact;
+use jostle_base::error::Result;
 use jostle_base::interrupt::Stop;
+use jostle_base::{memory, reserve};
 
 /// Impacts between two polls. More would make an interruption wait longer, fewer would read a
 /// shared flag more often.
 const POLL_EVERY: usize = 256;
+
+/// Simple events for which memory is reserved at a time, so that not each of them tests seven lists.
+const RESERVED: usize = 64;
 
 /// A disc that gets a new velocity at this moment.
 #[derive(Clone, Debug)]
@@ -74,6 +79,15 @@ pub struct Scratch {
     pub(super) sums: Vec<(Vector, f64)>,
 }
 
+impl Scratch {
+    /// Forgets a group that an error has left.
+    fn clear(&mut self) {
+        self.group.clear();
+        self.nearby.clear();
+        self.touches.clear();
+    }
+}
+
 /// The simulation of the discs of a range.
 pub struct Simulation<'a> {
     /// The window.
@@ -102,13 +116,16 @@ pub struct Simulation<'a> {
 impl Simulation<'_> {
     /// Appends the trajectories of all discs that have events: those that follow from the first events
     /// of all, and the events of `discs`.
-    pub fn run(mut self, first: &[Event], discs: &[u32]) {
+    pub fn run(mut self, first: &[Event], discs: &[u32]) -> Result<()> {
         let window = self.window;
+        self.scratch.clear();
         // This is the algorithm of Alder and Wainwright with one queue. An event is executed only
         // if neither of its discs has had another event since the prediction. Executed in the order
         // of time, no event can come too late: predictions never lie before the event that leads to
         // them.
-        self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end));
+        self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end))?;
+        let has_friction = window.flight.has_friction;
+        self.history.reserve(discs.len(), has_friction)?;
         // Each of these discs gets a trajectory at once, also if it will have no event. The search for
         // new conflicts visits all trajectories of the repetition, and a disc that lost its events may
         // meet others on its new way.
@@ -116,12 +133,18 @@ impl Simulation<'_> {
         for &disc in discs {
             // The group of one disc is used for its list of neighbours only; nothing happens at the
             // start.
-            self.join(disc, None);
-            self.predict(0);
+            self.join(disc, None)?;
+            self.predict(0)?;
             self.dissolve();
         }
-        let mut work = 0;
+        // A simple event has two discs, and the lists have memory for so many of them. `happen` reserves its own.
+        let (mut work, mut room) = (0, 0);
         while let Some(event) = self.scratch.queue.pop() {
+            if room == 0 {
+                room = RESERVED;
+                self.history.reserve(2 * RESERVED, has_friction)?;
+            }
+            room -= 1;
             let count = |index: u32| self.find(index).map_or(0, |own| own.count);
             // Events are not removed from the queue when a disc turns; that would need a search.
             // Instead each event has the numbers of events that its discs had. A number that has
@@ -129,8 +152,8 @@ impl Simulation<'_> {
             if event.pair.map(count) == event.counts {
                 // Most events are one contact of one or two discs. These have paths without lists,
                 // which give the same bits and give up, without a change, if anything else touches.
-                let is_simple = self.collide_two(&event) || self.collide_alone(&event);
-                work += if is_simple { 1 } else { self.happen(&event) };
+                let is_simple = self.collide_two(&event)? || self.collide_alone(&event)?;
+                work += if is_simple { 1 } else { self.happen(&event, &mut room)? };
             }
             // The step will be refused.
             let has_too_many = || {
@@ -145,6 +168,7 @@ impl Simulation<'_> {
             }
             work %= POLL_EVERY;
         }
+        Ok(())
     }
 
     /// The number of the trajectory of a disc, if it takes part and has one.
@@ -217,15 +241,17 @@ impl Simulation<'_> {
         number
     }
 
-    /// Executes an event and all simultaneous contacts. Returns the number of impacts.
-    fn happen(&mut self, event: &Event) -> usize {
+    /// Executes an event and all simultaneous contacts. Returns the number of impacts. It uses up the `room` that is
+    /// reserved for other events.
+    fn happen(&mut self, event: &Event, room: &mut usize) -> Result<usize> {
+        *room = 0;
         let Event { time, kind, code, pair: [index, partner], .. } = *event;
-        self.join(index, Some(time));
+        self.join(index, Some(time))?;
         if partner == WALL {
             let (_, own, _) = self.in_group(index).expect("it is in the group");
-            self.touch_wall(index, code, self.window.wall_normal(index, code, &own.now));
+            self.touch_wall(index, code, self.window.wall_normal(index, code, &own.now))?;
         } else {
-            self.touch_disc(index, partner, code, time);
+            self.touch_disc(index, partner, code, time)?;
         }
         if kind == Kind::Hold {
             // A hold ends an infinite sequence of bounces of two surfaces. It concerns these two
@@ -235,9 +261,9 @@ impl Simulation<'_> {
             // Contacts at the same moment are solved as one problem. One after the other, the
             // result would depend on their order, and a symmetric impact would not have a symmetric
             // result.
-            self.find_simultaneous(time);
+            self.find_simultaneous(time)?;
         }
-        self.bounce(time, kind);
+        self.bounce(time, kind)?;
         // Discs of the group may have got their trajectories after they were listed.
         // A disc that joined the group later has a trajectory now. `predict` uses its new piece, and
         // not the one that was listed.
@@ -246,24 +272,25 @@ impl Simulation<'_> {
             self.scratch.nearby[at].number = number.unwrap_or(NONE);
         }
         for position in 0..self.scratch.group.len() {
-            self.predict(position);
+            self.predict(position)?;
         }
         let impacts = self.scratch.touches.len();
         self.dissolve();
-        impacts
+        Ok(impacts)
     }
 
     /// Adds a movable disc to the group, with the discs near it: all as they are at `time`, or on
     /// the pieces with which they begin the window.
-    fn join(&mut self, index: u32, time: Option<f64>) {
+    fn join(&mut self, index: u32, time: Option<f64>) -> Result<()> {
         let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
+        self.history.reserve(1, self.window.flight.has_friction)?;
         let at = |piece: &Piece| time.map_or(*piece, |time| piece.moved(time, gravity));
         let number = self.trajectory(index);
         let position = self.scratch.group.len();
         // The position plus one is stored, so that 0 means "in no group" and the test needs no
         // search.
         if self.history.trajectories[number as usize].in_group != 0 {
-            return;
+            return Ok(());
         }
         let trajectory = &self.history.trajectories[number as usize];
         let is_joint = self.is_joint(trajectory, time.unwrap_or(self.window.begin));
@@ -275,17 +302,21 @@ impl Simulation<'_> {
         // All members are moved to the same moment once. Later tests subtract positions of one
         // time, without a difference of times.
         let now = at(&own.piece);
-        let start = self.scratch.nearby.len();
+        let (start, mut done) = (self.scratch.nearby.len(), Ok(()));
         neighbors.of(index, |neighbor| {
             let Neighbor { index, image } = *neighbor;
             let Some((number, piece, count)) = self.current(index) else { return };
             let now = at(&piece);
             // Neighbours are listed before the bounce, because the same list serves the search for
             // simultaneous contacts and the predictions after it.
-            self.scratch.nearby.push(Nearby { index, number, image, count, now });
+            let other = Nearby { index, number, image, count, now };
+            if let Err(error) = memory::push(&mut self.scratch.nearby, other) {
+                done = Err(error);
+            }
         });
         let near = start..self.scratch.nearby.len();
-        self.scratch.group.push(InGroup { index, number, is_joint, now, near });
+        memory::push(&mut self.scratch.group, InGroup { index, number, is_joint, now, near })?;
+        done
     }
 
     /// Ends the group.
@@ -297,7 +328,7 @@ impl Simulation<'_> {
     }
 
     /// Adds the next impacts of a disc of the group to the queue.
-    fn predict(&mut self, position: usize) {
+    fn predict(&mut self, position: usize) -> Result<()> {
         let window = self.window;
         let Scratch { queue, group, nearby, touches, velocities, .. } = &mut *self.scratch;
         let InGroup { index, number, is_joint, near, .. } = &group[position];
@@ -312,7 +343,7 @@ impl Simulation<'_> {
         if !has_ended
             && let Some(event) = window.wall_event(*index, own, *own_count, &is_without_room)
         {
-            queue.push(event);
+            queue.push(event)?;
         }
         let was_solved = |other: u32| {
             let pair = [(*index).min(other), (*index).max(other)];
@@ -347,14 +378,15 @@ impl Simulation<'_> {
                     continue;
                 }
                 let (pair, counts) = ([*index, other.index], [*own_count, count]);
-                queue.push(Event::of_discs(impact, pair, other.image, counts));
+                queue.push(Event::of_discs(impact, pair, other.image, counts))?;
             }
         }
+        Ok(())
     }
 
     /// Adds all contacts whose surfaces touch and approach at `time`, of discs in the group and
     /// of discs that thereby join it. Some discs have all that touches them solved together.
-    fn find_simultaneous(&mut self, time: f64) {
+    fn find_simultaneous(&mut self, time: f64) -> Result<()> {
         let window = self.window;
         let mut position = 0;
         // The group grows during the loop: a disc that joins may touch further discs. Each is
@@ -365,11 +397,14 @@ impl Simulation<'_> {
             if self.has_ended(index) {
                 continue;
             }
-            let mut contacts = std::mem::take(&mut self.scratch.contacts);
+            let (mut contacts, mut done) = (std::mem::take(&mut self.scratch.contacts), Ok(()));
             window.each_touched_wall(index, &now, is_joint, &mut contacts, |wall, normal| {
-                self.touch_wall(index, wall, normal);
+                if let Err(error) = self.touch_wall(index, wall, normal) {
+                    done = Err(error);
+                }
             });
             self.scratch.contacts = contacts;
+            done?;
             for at in near {
                 let Nearby { index: partner, image: code, now: there, .. } =
                     &self.scratch.nearby[at];
@@ -389,10 +424,11 @@ impl Simulation<'_> {
                 // `position` is already that of the next member, so this leaves out members before
                 // the present one.
                 if in_group == 0 || in_group >= position {
-                    self.touch_disc(index, partner, code, time);
+                    self.touch_disc(index, partner, code, time)?;
                 }
             }
         }
+        Ok(())
     }
 
     /// The disc of the group with an index, and its position.
@@ -402,11 +438,12 @@ impl Simulation<'_> {
         Some((position, &self.scratch.group[position], trajectory))
     }
 
-    fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
+    fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) -> Result<()> {
         let (position, own, trajectory) = self.in_group(index).expect("it is in the group");
         let (number, time) = (own.number, own.now.time);
-        self.add(self.wall_touch(index, position, trajectory, wall, normal));
+        self.add(self.wall_touch(index, position, trajectory, wall, normal))?;
         self.exhaust_without_room(number, wall, time);
+        Ok(())
     }
 
     /// The contact of the disc of a trajectory, the body `position`, and a wall.
@@ -428,10 +465,10 @@ impl Simulation<'_> {
         }
     }
 
-    fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
+    fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) -> Result<()> {
         let window = self.window;
         if window.starts[partner as usize].is_movable {
-            self.join(partner, Some(time));
+            self.join(partner, Some(time))?;
         }
         // From the smaller index to the larger, so that both give the same numbers.
         // Normal and offset have a direction, and their rounding depends on it. One fixed order
@@ -470,19 +507,17 @@ impl Simulation<'_> {
             carried_turning,
             ..Constraint::of_discs(pair, code, offset)
         };
-        self.add(touch);
+        self.add(touch)
     }
 
     /// Adds a contact of this moment, unless it is the one whose event it is.
-    fn add(&mut self, touch: Constraint) {
+    fn add(&mut self, touch: Constraint) -> Result<()> {
         let touches = &mut self.scratch.touches;
         // The event's own contact is the first of the list, and the search for simultaneous
         // contacts finds it a second time. Twice in the list it would get its impulse in two
         // shares, and slow down the iteration.
         let is_it = |first: &Constraint| first.key == touch.key && first.is_same(&touch);
-        if !touches.first().is_some_and(is_it) {
-            touches.push(touch);
-        }
+        if touches.first().is_some_and(is_it) { Ok(()) } else { memory::push(touches, touch) }
     }
 
     /// The impulses of a contact of this moment along its normal and of friction.
@@ -506,9 +541,16 @@ impl Simulation<'_> {
 
     /// Gives the discs of the group their velocities after the impacts, and makes one island of
     /// them.
-    fn bounce(&mut self, time: f64, kind: Kind) {
+    fn bounce(&mut self, time: f64, kind: Kind) -> Result<()> {
         let window = self.window;
-        let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
+        let Scratch {
+            group, touches, velocities, impulses, before, sums, friction_scratch, ..
+        } = &mut *self.scratch;
+        // Nothing below allocates.
+        let len = group.len().max(touches.len());
+        self.history.reserve(len, window.flight.has_friction)?;
+        reserve!(len; *velocities, *impulses, *before, *sums);
+        friction_scratch.reserve(len)?;
         velocities.clear();
         // The velocities are in an array beside the group, because the solver needs nothing else of
         // a disc.
@@ -552,6 +594,7 @@ impl Simulation<'_> {
             self.turn(number, new);
         }
         self.record_bounces();
+        Ok(())
     }
 
     /// Notes which discs collide at the same moment, if these are at least three: the velocities of each

@@ -9,6 +9,8 @@ use super::neighbors::opposite;
 use super::queue::{Event, WALL};
 use super::simulation::Simulation;
 use crate::trajectory::{Kind, Piece, Vector, vector};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// A disc that gets a new piece.
 #[derive(Clone, Copy)]
@@ -35,14 +37,14 @@ impl Simulation<'_> {
     /// Computes the bounce of two discs and returns true. Returns false, with trajectories unchanged,
     /// if it is no bounce of two movable discs, if one touches something else, or if one reaches its
     /// limit of events.
-    pub(super) fn collide_two(&mut self, event: &Event) -> bool {
+    pub(super) fn collide_two(&mut self, event: &Event) -> Result<bool> {
         let window = self.window;
         let Event { time, kind, code, pair: discs, .. } = *event;
         // A partner that cannot move has no trajectory, and its velocity enters the contact in another
         // way.
         let are_discs = discs[1] != WALL && window.starts[discs[1] as usize].is_movable;
         if kind != Kind::Bounce || !are_discs {
-            return false;
+            return Ok(false);
         }
         // New trajectories may stay without an event if this returns false. `happen` then finds them and
         // adds the event.
@@ -52,7 +54,7 @@ impl Simulation<'_> {
             self.is_nearly_exhausted(trajectory) || self.is_joint(trajectory, time)
         };
         if trajectories.into_iter().any(needs_group) {
-            return false;
+            return Ok(false);
         }
         let now = |k: usize| trajectories[k].piece.moved(time, window.gravity());
         // Arrays that are mapped are copied through memory again.
@@ -84,8 +86,8 @@ impl Simulation<'_> {
         // The predictions and the search for other contacts visit the same neighbours, so they are
         // one pass. If another contact is found, the predictions are dropped, and no trajectory has
         // changed.
-        if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
-            return false;
+        if !self.predict_two(event, &now, &new, counts.map(|count| count + 1))? {
+            return Ok(false);
         }
         // An island is what a rollback takes together; see `Simulation::bounce`.
         self.history.connect(numbers[0], numbers[1]);
@@ -95,7 +97,7 @@ impl Simulation<'_> {
         (0..2).for_each(|k| self.turn(numbers[k], new[k]));
         let impulses = self.impulses_of(0);
         self.history.bounces.push(Bounce { pair, code, impulses, trajectory: numbers[a] });
-        true
+        Ok(true)
     }
 
     /// Adds the next impacts of two discs that continue on `new` instead of `now` to the queue.
@@ -106,7 +108,7 @@ impl Simulation<'_> {
         now: &[Piece; 2],
         new: &[Piece; 2],
         counts: [u32; 2],
-    ) -> bool {
+    ) -> Result<bool> {
         let Event { time, code, pair: discs, .. } = *event;
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
@@ -119,13 +121,14 @@ impl Simulation<'_> {
         let mut are_alone = true;
         for k in [0, 1] {
             let partner = Some(partners[k]);
-            are_alone &= self.predict_one(time, &both[k], partner, None, is_known, &mut predicted);
+            are_alone &=
+                self.predict_one(time, &both[k], partner, None, is_known, &mut predicted)?;
         }
         if are_alone {
-            predicted.iter().for_each(|event| self.scratch.queue.push(*event));
+            predicted.iter().try_for_each(|event| self.scratch.queue.push(*event))?;
         }
         self.scratch.predicted = predicted;
-        are_alone
+        Ok(are_alone)
     }
 
     /// Appends the next impacts of a disc that gets a new piece at `time`. Returns whether it touches
@@ -140,7 +143,7 @@ impl Simulation<'_> {
         left: Option<u32>,
         is_known: impl Fn(u32, Vector) -> bool,
         predicted: &mut Vec<Event>,
-    ) -> bool {
+    ) -> Result<bool> {
         let (window, neighbors) = (self.window, self.neighbors);
         let Turned { index, now, new, count } = *own;
         // The early tests look as far as the window, not the flight: what happens later is
@@ -148,7 +151,7 @@ impl Simulation<'_> {
         let span = (window.end - time) as f32;
         // The test in float32 leaves out most neighbours before anything is computed in float64.
         let own_now = Now::of(new, window.radius(index));
-        let mut is_alone = true;
+        let (mut is_alone, mut done) = (true, Ok(()));
         let [touches, hits] = window.may_touch_wall(index, &own_now, span, left);
         if touches {
             let contacts = &mut self.scratch.contacts;
@@ -159,7 +162,7 @@ impl Simulation<'_> {
             });
         }
         if hits {
-            predicted.extend(window.wall_event(index, new, count, &|_| false));
+            memory::extend(predicted, window.wall_event(index, new, count, &|_| false))?;
         }
         neighbors.of(index, |neighbor| {
             let (other, image) = (neighbor.index, neighbors.image(neighbor));
@@ -192,9 +195,12 @@ impl Simulation<'_> {
                 is_this || !window.touch_now((index, now), (other, &before), image, || false);
             if let Some(impact) = window.impact((index, new), (other, &after), image, window.end) {
                 let counts = [count, other_count];
-                predicted.push(Event::of_discs(impact, [index, other], neighbor.image, counts));
+                let event = Event::of_discs(impact, [index, other], neighbor.image, counts);
+                if let Err(error) = memory::push(predicted, event) {
+                    done = Err(error);
+                }
             }
         });
-        is_alone
+        done.map(|()| is_alone)
     }
 }

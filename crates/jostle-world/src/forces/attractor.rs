@@ -82,7 +82,12 @@ impl Attractor {
 }
 
 impl Force for Attractor {
-    fn accelerate(&self, bodies: &ForceInput<'_>, _: &mut Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(
+        &self,
+        bodies: &ForceInput<'_>,
+        _: &mut Scratch,
+        sums: &mut [[f32; 2]],
+    ) -> Result<()> {
         let (pole, _) = self.place(bodies);
         let threads = parallel::worthwhile(bodies.threads, sums.len());
         parallel::for_chunks(threads, sums, |first, chunk| {
@@ -94,12 +99,13 @@ impl Force for Attractor {
                 *acceleration = [0, 1].map(|k| acceleration[k] + pull[k]);
             }
         });
+        Ok(())
     }
 
     fn limit(&self, _: &ForceInput<'_>, _: &mut [[f32; 2]]) {}
 
     /// The pole is taken as fixed. It does not act on its own particle.
-    fn energy(&self, bodies: &ForceInput<'_>) -> f64 {
+    fn energy(&self, bodies: &ForceInput<'_>) -> Result<f64> {
         let (pole, own) = self.place(bodies);
         let energy_of = |index: usize| {
             let offset = [0, 1].map(|k| pole[k] - bodies.positions[index][k]);
@@ -107,7 +113,7 @@ impl Force for Attractor {
             f64::from(bodies.masses[index]) * energy(self, offset, bodies.radii[index])
         };
         let is_moved = |&index: &usize| bodies.movable[index] && own != Some(index);
-        (0..bodies.positions.len()).filter(is_moved).map(energy_of).sum()
+        Ok((0..bodies.positions.len()).filter(is_moved).map(energy_of).sum())
     }
 
     fn partners(&self) -> Partners {

@@ -54,13 +54,18 @@ impl Flocking {
 }
 
 impl Force for Flocking {
-    fn accelerate(&self, bodies: &ForceInput<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(
+        &self,
+        bodies: &ForceInput<'_>,
+        scratch: &mut Scratch,
+        sums: &mut [[f32; 2]],
+    ) -> Result<()> {
         let neighbors = &mut scratch.neighbors;
-        neighbors.fill(0, |row| bodies.velocities[row][0]);
-        neighbors.fill(1, |row| bodies.velocities[row][1]);
+        neighbors.fill(0, |row| bodies.velocities[row][0])?;
+        neighbors.fill(1, |row| bodies.velocities[row][1])?;
         neighbors.sum(bodies, self.cutoff, 2, self, |row, by| {
             sums[row] = [0, 1].map(|k| sums[row][k] + by[k] as f32);
-        });
+        })
     }
 
     /// Keeps the speeds within the limits.
@@ -70,8 +75,8 @@ impl Force for Flocking {
         }
     }
 
-    fn energy(&self, _: &ForceInput<'_>) -> f64 {
-        0.0
+    fn energy(&self, _: &ForceInput<'_>) -> Result<f64> {
+        Ok(0.0)
     }
 
     fn partners(&self) -> Partners {

@@ -23,6 +23,7 @@ use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel::{self, locked};
+use jostle_base::{memory, reserve};
 use jostle_index::columns::Columns;
 use jostle_index::period::Period;
 use jostle_index::quadtree::Quadtree;
@@ -99,28 +100,29 @@ impl Force for Gravitation {
         bodies: &ForceInput<'_>,
         scratch: &mut super::Scratch,
         sums: &mut [[f32; 2]],
-    ) {
-        let direct = prepare(self, bodies, &mut scratch.gravitation);
+    ) -> Result<()> {
+        let direct = prepare(self, bodies, &mut scratch.gravitation)?;
         let Scratch { sorted, all, moments, pulls, lists } = &mut scratch.gravitation;
         let tree = &sorted.tree;
         let walk =
             Walk { gravitation: self, tree, all, moments, period: bodies.container.period() };
         pulls.clear();
-        pulls.resize(tree.len(), [0.0; 2]);
+        memory::resize(pulls, tree.len(), [0.0; 2])?;
         // A task has its own part of `pulls`, and each body is summed by one task. So the number of
         // threads changes no sum.
         let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
         let (tasks, stop) = (sorted.tasks(TASK_GROUPS, pulls), Stop::current());
-        parallel::for_each(threads, tasks, |(share, mut pulls)| {
+        parallel::try_for_each(threads, tasks, |(share, mut pulls)| {
             let mut list = locked(lists).pop().unwrap_or_default();
             // An interruption is reported by the caller, which then does not use the sums.
             for &group in share.iter().take_while(|_| !stop.is_set()) {
                 let len = sorted.range(group).len();
                 let own = pulls.split_off_mut(..len).expect("the sizes add up");
-                walk.pull(group, direct, &mut list, own);
+                walk.pull(group, direct, &mut list, own)?;
             }
             locked(lists).push(list);
-        });
+            Ok(())
+        })?;
         // The exact mean is 0. The approximation by nodes pulls both sides of a pair a little
         // differently, and without this the centre of mass would drift.
         subtract_mean(pulls, &all.mass);
@@ -130,25 +132,31 @@ impl Force for Gravitation {
             let to = &mut sums[row as usize];
             *to = [0, 1].map(|k| to[k] + (g * pull[k]) as f32);
         }
+        Ok(())
     }
 
     fn limit(&self, _: &ForceInput<'_>, _: &mut [[f32; 2]]) {}
 
     /// It is 0 at infinity, and summed over the same pairs of bodies, or over the same bodies and nodes, as the
     /// accelerations.
-    fn energy(&self, bodies: &ForceInput<'_>) -> f64 {
+    fn energy(&self, bodies: &ForceInput<'_>) -> Result<f64> {
         let mut scratch = Scratch::default();
-        let direct = prepare(self, bodies, &mut scratch);
+        let direct = prepare(self, bodies, &mut scratch)?;
         let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
         let walk =
             Walk { gravitation: self, tree, all, moments, period: bodies.container.period() };
         let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
         let stop = Stop::current();
-        let parts = parallel::map(threads, groups.len(), |index| {
-            if stop.is_set() { 0.0 } else { walk.energy(groups[index], direct) }
-        });
+        let mut parts = memory::filled(groups.len(), 0.0)?;
+        let tasks = parts.iter_mut().zip(groups);
+        parallel::try_for_each(threads, tasks, |(part, &group)| {
+            if !stop.is_set() {
+                *part = walk.energy(group, direct)?;
+            }
+            Ok(())
+        })?;
         // Every pair was summed twice.
-        -0.5 * f64::from(self.g) * parts.iter().sum::<f64>()
+        Ok(-0.5 * f64::from(self.g) * parts.iter().sum::<f64>())
     }
 
     fn partners(&self) -> Partners {
@@ -158,12 +166,17 @@ impl Force for Gravitation {
 
 /// Sorts the bodies and computes the moments of the nodes. Returns whether direct summation is
 /// used.
-fn prepare(gravitation: &Gravitation, bodies: &ForceInput<'_>, scratch: &mut Scratch) -> bool {
+fn prepare(
+    gravitation: &Gravitation,
+    bodies: &ForceInput<'_>,
+    scratch: &mut Scratch,
+) -> Result<bool> {
     let Scratch { sorted, all, moments, .. } = scratch;
     // Bodies at the same place are sorted by mass, because nothing else of them enters the sums.
-    sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.masses[a].total_cmp(&bodies.masses[b]));
+    sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.masses[a].total_cmp(&bodies.masses[b]))?;
     let tree = &sorted.tree;
     all.clear();
+    all.reserve(tree.len())?;
     let Columns { x, y, .. } = tree.columns();
     for (index, &row) in tree.rows().iter().enumerate() {
         all.push([x[index], y[index]], bodies.masses[row as usize]);
@@ -172,16 +185,16 @@ fn prepare(gravitation: &Gravitation, bodies: &ForceInput<'_>, scratch: &mut Scr
     // With few bodies the walk and the moments take longer than they save.
     let direct = tree.len() <= DIRECT || gravitation.theta == 0.0;
     if !direct {
-        compute_moments(tree, &all.mass, moments);
+        compute_moments(tree, &all.mass, moments)?;
     }
-    direct
+    Ok(direct)
 }
 
 /// Computes mass and centre of mass of every node, bottom-up.
-fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) {
+fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Moment>) -> Result<()> {
     let Columns { x, y, .. } = tree.columns();
     moments.clear();
-    moments.resize(tree.nodes().len(), Moment::default());
+    memory::resize(moments, tree.nodes().len(), Moment::default())?;
     // Children come after their parents in memory, so the reverse order has their moments ready.
     for (number, (node, bounds)) in tree.nodes().iter().zip(tree.bounds()).enumerate().rev() {
         let mut sum = [0.0f64; 3];
@@ -204,6 +217,7 @@ fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Momen
             width: (sides[0] * sides[0] + sides[1] * sides[1]).sqrt(),
         };
     }
+    Ok(())
 }
 
 /// Subtracts the mean acceleration from all.
@@ -232,6 +246,12 @@ struct Sources {
 impl Sources {
     fn clear(&mut self) {
         [&mut self.x, &mut self.y, &mut self.mass].into_iter().for_each(Vec::clear);
+    }
+
+    /// Reserves memory for so many more, and for the last block.
+    fn reserve(&mut self, more: usize) -> Result<()> {
+        reserve!(self.x.len() + more + LANES; self.x, self.y, self.mass);
+        Ok(())
     }
 
     #[inline(always)]
@@ -325,16 +345,23 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// Writes the accelerations of the bodies of a group, for G = 1.
-    fn pull(&self, group: u32, direct: bool, list: &mut List, pulls: &mut [[f64; 2]]) {
-        let sources = if direct { self.all } else { self.collect(group, list) };
+    fn pull(
+        &self,
+        group: u32,
+        direct: bool,
+        list: &mut List,
+        pulls: &mut [[f64; 2]],
+    ) -> Result<()> {
+        let sources = if direct { self.all } else { self.collect(group, list)? };
         let bodies = self.tree.nodes()[group as usize].range();
         f32::with_widest(Pull { walk: self, sources, bodies, pulls });
+        Ok(())
     }
 
     /// Sum of m · M / d over the bodies of a group and their sources.
-    fn energy(&self, group: u32, direct: bool) -> f64 {
+    fn energy(&self, group: u32, direct: bool) -> Result<f64> {
         let mut list = List::default();
-        let sources = if direct { self.all } else { self.collect(group, &mut list) };
+        let sources = if direct { self.all } else { self.collect(group, &mut list)? };
         let soft = f64::from(self.gravitation.softening);
         // Each body is one of its own sources, at distance 0.
         let own = if soft > 0.0 { 1.0 / soft } else { 0.0 };
@@ -343,13 +370,14 @@ impl Walk<'_> {
             let at = [self.all.x[index], self.all.y[index]];
             mass * (sources.potential(at, soft, &self.period) - mass * own)
         };
-        self.tree.nodes()[group as usize].range().map(energy).sum()
+        Ok(self.tree.nodes()[group as usize].range().map(energy).sum())
     }
 
     /// Makes the interaction list of a group: near bodies and far nodes.
-    fn collect<'a>(&self, group: u32, list: &'a mut List) -> &'a Sources {
+    fn collect<'a>(&self, group: u32, list: &'a mut List) -> Result<&'a Sources> {
         let List { found, stack } = list;
         found.clear();
+        stack.clear();
         let target = &self.tree.bounds()[group as usize];
         let middle = [0, 1].map(|k| 0.5 * target.min[k] + 0.5 * target.max[k]);
         let half = [0, 1].map(|k| 0.5 * target.max[k] - 0.5 * target.min[k]);
@@ -360,17 +388,20 @@ impl Walk<'_> {
             let index = index as usize;
             let (node, moment) = (&self.tree.nodes()[index], &self.moments[index]);
             if self.is_far(middle, half, moment) {
+                found.reserve(1)?;
                 found.push(moment.center, moment.mass);
             } else if node.is_leaf() {
+                found.reserve(node.len())?;
                 found.extend(self.all, node.range());
             } else {
                 // The stack is last in, first out: in reverse order, sources are listed in Morton
                 // order.
-                stack.extend(node.children().rev().map(|child| child as u32));
+                memory::extend(stack, node.children().rev().map(|child| child as u32))?;
             }
         }
+        found.reserve(0)?;
         found.pad();
-        found
+        Ok(found)
     }
 
     /// Whether a node counts as one body for all bodies of a group.

@@ -13,8 +13,8 @@ use crate::particles::check_kinds_of_table;
 use crate::walls::index_of;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
-use jostle_base::parallel;
 use jostle_base::saved;
+use jostle_base::{memory, parallel};
 
 /// What an influence does, and so which part of a step reads it.
 #[derive(Clone, Copy, Debug)]
@@ -114,17 +114,6 @@ pub struct Influences {
     list: Vec<Influence>,
 }
 
-impl Clone for Influences {
-    fn clone(&self) -> Self {
-        Self { list: self.list.clone() }
-    }
-
-    // Each step keeps a copy for undoing it. The derived function would allocate another list for it.
-    fn clone_from(&mut self, other: &Self) {
-        self.list.clone_from(&other.list);
-    }
-}
-
 saved! { struct Influences { list } }
 
 impl From<Vec<Influence>> for Influences {
@@ -167,6 +156,35 @@ impl Influences {
     /// The list.
     pub fn list(&self) -> &[Influence] {
         &self.list
+    }
+
+    /// The list.
+    pub fn into_list(self) -> Vec<Influence> {
+        self.list
+    }
+
+    /// Replaces all by copies of `other`, in the memory that there is: a step copies springs to undo itself.
+    pub fn copy_from(&mut self, other: &Self) -> Result<()> {
+        self.list.truncate(other.list.len());
+        memory::reserve_len(&mut self.list, other.list.len())?;
+        for (index, from) in other.list.iter().enumerate() {
+            match (self.list.get_mut(index), from) {
+                (Some(Influence::Springs(to)), Influence::Springs(from)) => {
+                    memory::assign(&mut to.0, &from.0)?;
+                }
+                (to, Influence::Springs(from)) => {
+                    let copy = Springs(memory::copy(&from.0)?).into();
+                    match to {
+                        Some(to) => *to = copy,
+                        None => self.list.push(copy),
+                    }
+                }
+                // Others are small.
+                (Some(to), from) => to.clone_from(from),
+                (None, from) => self.list.push(from.clone()),
+            }
+        }
+        Ok(())
     }
 
     /// Whether there are none.
@@ -218,14 +236,14 @@ impl Influences {
         bodies: &ForceInput<'_>,
         scratch: &mut Scratch,
         accelerations: &mut Vec<[f32; 2]>,
-    ) {
+    ) -> Result<()> {
         accelerations.clear();
-        accelerations.resize(bodies.positions.len(), [0.0; 2]);
+        memory::resize(accelerations, bodies.positions.len(), [0.0; 2])?;
         // Sorted once for all forces between neighbours.
         if self.forces().any(|force| force.partners() != Partners::All) {
-            scratch.neighbors.sort(bodies);
+            scratch.neighbors.sort(bodies)?;
         }
-        self.forces().for_each(|force| force.accelerate(bodies, scratch, accelerations));
+        self.forces().try_for_each(|force| force.accelerate(bodies, scratch, accelerations))?;
         let threads = parallel::worthwhile(bodies.threads, bodies.positions.len());
         parallel::for_chunks(threads, accelerations, |_, chunk| {
             // Sums of valid forces may overflow or be NaN. A step relies on finite accelerations.
@@ -233,6 +251,7 @@ impl Influences {
         });
         // Limits come last, because they depend on the sum of all forces.
         self.forces().for_each(|force| force.limit(bodies, accelerations));
+        Ok(())
     }
 
     /// Refuses invalid influences; `exists` returns whether the world has a particle.

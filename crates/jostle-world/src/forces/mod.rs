@@ -44,13 +44,18 @@ use record::Record;
 /// A force: it accelerates particles. The order of every sum depends only on the state.
 pub trait Force: Debug + Record {
     /// Adds the acceleration of each body. Those between neighbours find the bodies sorted in `scratch`.
-    fn accelerate(&self, bodies: &ForceInput<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]);
+    fn accelerate(
+        &self,
+        bodies: &ForceInput<'_>,
+        scratch: &mut Scratch,
+        sums: &mut [[f32; 2]],
+    ) -> Result<()>;
 
     /// Changes the sums of the accelerations by all forces.
     fn limit(&self, bodies: &ForceInput<'_>, sums: &mut [[f32; 2]]);
 
     /// Potential energy of the bodies; 0 if the force has no potential.
-    fn energy(&self, bodies: &ForceInput<'_>) -> f64;
+    fn energy(&self, bodies: &ForceInput<'_>) -> Result<f64>;
 
     /// On which particles it acts.
     fn partners(&self) -> Partners;

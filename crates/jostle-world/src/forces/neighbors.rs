@@ -9,9 +9,11 @@ use std::sync::Mutex;
 
 use super::ForceInput;
 use super::sorted::Sorted;
+use jostle_base::error::Result;
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel::{self, locked};
 use jostle_base::settings::Method;
+use jostle_base::{memory, reserve};
 use jostle_index::period::{NINE_IMAGES, Period};
 use jostle_index::quadtree::Quadtree;
 use jostle_simd::{LANES, Number, Simd, Work, block, block_mut};
@@ -94,26 +96,30 @@ struct List {
 
 impl Scratch {
     /// Sorts the bodies.
-    pub fn sort(&mut self, bodies: &ForceInput<'_>) {
+    pub fn sort(&mut self, bodies: &ForceInput<'_>) -> Result<()> {
         // Only positions, velocities, masses and kinds enter the sums, so only these order bodies
         // at the same place.
-        self.sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.compare(a, b));
+        self.sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.compare(a, b))?;
         let (tree, len) = (&self.sorted.tree, self.sorted.tree.len());
         let columns = tree.columns();
         for (to, from) in [(&mut self.x, &columns.x), (&mut self.y, &columns.y)] {
+            reserve!(len.next_multiple_of(LANES); *to);
             to.clear();
             to.extend_from_slice(&from[..len]);
             // The bodies after the last are no neighbours.
             to.resize(len.next_multiple_of(LANES), f32::NAN);
         }
+        Ok(())
     }
 
     /// Fills the column `k` of the next law; `value` returns the number of a row.
-    pub fn fill(&mut self, k: usize, value: impl Fn(usize) -> f32) {
+    pub fn fill(&mut self, k: usize, value: impl Fn(usize) -> f32) -> Result<()> {
         let column = &mut self.columns[k];
         column.clear();
+        reserve!(self.x.len(); *column);
         column.extend(self.sorted.tree.rows().iter().map(|&row| value(row as usize)));
         column.resize(self.x.len(), 0.0);
+        Ok(())
     }
 
     /// The columns of the law in the order of the tree.
@@ -130,10 +136,10 @@ impl Scratch {
         count: usize,
         law: &L,
         mut add: impl FnMut(usize, [f64; 2]),
-    ) {
+    ) -> Result<()> {
         let mut sums = std::mem::take(&mut self.sums);
         sums.clear();
-        sums.resize(self.sorted.tree.len(), [0.0; 2]);
+        memory::resize(&mut sums, self.sorted.tree.len(), [0.0; 2])?;
         // The order of a sum follows from the state alone: blocks in Morton order, the images of a
         // block in the order of the nine, the bodies in a block. Blocks that are tested in vain
         // leave no trace in it, because neighbours are packed first. So the tree and brute force
@@ -141,18 +147,20 @@ impl Scratch {
         let search = self.search(bodies, cutoff, count);
         let tasks = self.sorted.tasks(TASK_GROUPS, &mut sums);
         let (threads, stop) = (threads(bodies), Stop::current());
-        parallel::for_each(threads, tasks, |(groups, sums)| {
+        parallel::try_for_each(threads, tasks, |(groups, sums)| {
             // An interruption is reported by the caller, which then does not use the sums.
             if stop.is_set() {
-                return;
+                return Ok(());
             }
             let mut list = locked(&self.lists).pop().unwrap_or_default();
-            f32::with_widest(Share { search, law, groups, sums, list: &mut list });
+            let done = f32::with_widest(Share { search, law, groups, sums, list: &mut list });
             locked(&self.lists).push(list);
-        });
+            done
+        })?;
         // The tasks write sums in the order of the tree; one thread hands them to the rows.
         sums.iter().zip(self.sorted.tree.rows()).for_each(|(&sum, &row)| add(row as usize, sum));
         self.sums = sums;
+        Ok(())
     }
 
     /// The sum of `value` over all ordered pairs of neighbours: it gets their indices and their
@@ -162,20 +170,23 @@ impl Scratch {
         bodies: &ForceInput<'_>,
         cutoff: f32,
         value: impl Fn([usize; 2], f64) -> f64 + Sync + Send,
-    ) -> f64 {
+    ) -> Result<f64> {
         let search = self.search(bodies, cutoff, 0);
         let groups = &self.sorted.groups;
         let stop = Stop::current();
-        let parts = parallel::map(threads(bodies), groups.len(), |number| {
+        let mut parts = memory::filled(groups.len(), 0.0)?;
+        let tasks = parts.iter_mut().zip(groups);
+        parallel::try_for_each(threads(bodies), tasks, |(part, &group)| {
             if stop.is_set() {
-                return 0.0;
+                return Ok(());
             }
             let mut list = List::default();
-            search.list(groups[number], &mut list);
+            search.list(group, &mut list)?;
             let own = |index| search.sum_of_body(index, &list.near, &value);
-            self.sorted.range(groups[number]).map(own).sum::<f64>()
-        });
-        parts.iter().sum()
+            *part = self.sorted.range(group).map(own).sum::<f64>();
+            Ok(())
+        })?;
+        Ok(parts.iter().sum())
     }
 
     fn search(&self, bodies: &ForceInput<'_>, cutoff: f32, count: usize) -> Search<'_> {
@@ -211,32 +222,34 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Lists the blocks that may have neighbours of a group.
-    fn list(&self, group: u32, list: &mut List) {
+    fn list(&self, group: u32, list: &mut List) -> Result<()> {
         list.near.clear();
         // A group near a corner may have neighbours in any of the nine images of the torus.
         if !self.period.is_none() {
             for turns in NINE_IMAGES {
-                self.list_image(group, self.period.span(turns), list);
+                self.list_image(group, self.period.span(turns), list)?;
             }
             // Stable, so that the images of a block stay in order.
             if !list.near.is_sorted_by_key(|near| near.block) {
                 list.near.sort_by_key(|near| near.block);
             }
         } else {
-            self.list_image(group, [0.0; 2], list);
+            self.list_image(group, [0.0; 2], list)?;
         }
+        Ok(())
     }
 
-    fn list_image(&self, group: u32, image: [f32; 2], list: &mut List) {
+    fn list_image(&self, group: u32, image: [f32; 2], list: &mut List) -> Result<()> {
         let List { near, stack, .. } = list;
         if self.is_brute {
             let blocks = 0..(self.x.len() / LANES) as u32;
-            return near.extend(blocks.map(|block| Near { block, image }));
+            return memory::extend(near, blocks.map(|block| Near { block, image }));
         }
         // Blocks are sixteen bodies of the sorted columns, whatever the leaves. Two leaves may
         // share a block, which must be listed once, or its bodies would count twice.
         let mut next = 0;
-        stack.push(0);
+        stack.clear();
+        memory::push(stack, 0)?;
         while let Some(number) = stack.pop() {
             let node = &self.tree.nodes()[number as usize];
             if !self.is_near(group, number, image) {
@@ -244,14 +257,16 @@ impl Search<'_> {
             }
             if !node.is_leaf() {
                 // In reverse order, so that leaves and blocks are listed in ascending order.
-                stack.extend(node.children().rev().map(|child| child as u32));
+                memory::extend(stack, node.children().rev().map(|child| child as u32))?;
                 continue;
             }
             let range = node.range();
             let [first, last] = [range.start, range.end - 1].map(|index| (index / LANES) as u32);
-            near.extend((first.max(next)..last + 1).map(|block| Near { block, image }));
+            let blocks = first.max(next)..last + 1;
+            memory::extend(near, blocks.map(|block| Near { block, image }))?;
             next = next.max(last + 1);
         }
+        Ok(())
     }
 
     /// Whether an image of a node may have neighbours of a group. The test rounds as that of two
@@ -328,14 +343,13 @@ impl Search<'_> {
 
 impl Found {
     /// Reserves memory for the neighbours in so many blocks.
-    fn reserve(&mut self, blocks: usize) {
+    fn reserve(&mut self, blocks: usize) -> Result<()> {
         // One more block, because `pack` writes a whole one at any place.
         let len = (blocks + 1) * LANES;
         for column in [&mut self.x, &mut self.y].into_iter().chain(&mut self.columns) {
-            if column.len() < len {
-                column.resize(len, 0.0);
-            }
+            memory::lengthen(column, len, 0.0)?;
         }
+        Ok(())
     }
 }
 
@@ -349,16 +363,16 @@ struct Share<'a, L> {
 }
 
 impl<L: Law> Work<f32> for Share<'_, L> {
-    type Out = ();
+    type Out = Result<()>;
 
     #[inline(always)]
-    fn run<S: Simd<f32>>(self, simd: S) {
+    fn run<S: Simd<f32>>(self, simd: S) -> Result<()> {
         let Self { search, law, groups, sums, list } = self;
         let mut sums = sums.iter_mut();
         for &group in groups {
-            search.list(group, list);
+            search.list(group, list)?;
             let List { near, found, .. } = &mut *list;
-            found.reserve(near.len());
+            found.reserve(near.len())?;
             for index in search.tree.nodes()[group as usize].range() {
                 search.collect(simd, index, near, found);
                 let own = Own { index, columns: search.columns };
@@ -366,6 +380,7 @@ impl<L: Law> Work<f32> for Share<'_, L> {
                 *sums.next().expect("one for each body") = sum;
             }
         }
+        Ok(())
     }
 }
 

@@ -223,43 +223,49 @@ impl Saved for PairTable {
 }
 
 impl Force for PairForce {
-    fn accelerate(&self, bodies: &ForceInput<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
+    fn accelerate(
+        &self,
+        bodies: &ForceInput<'_>,
+        scratch: &mut Scratch,
+        sums: &mut [[f32; 2]],
+    ) -> Result<()> {
         let (table, neighbors) = (&*self.table, &mut scratch.neighbors);
         let segments = table.points - 1;
         // The index of the first segment of a kind is a whole number below 2²², exact in float32.
         // So the kinds are a column like the others.
-        neighbors.fill(0, |row| (usize::from(bodies.kind(row)) * segments) as f32);
+        neighbors.fill(0, |row| (usize::from(bodies.kind(row)) * segments) as f32)?;
         let mut count = 1;
         if table.damping > 0.0 {
-            neighbors.fill(1, |row| bodies.velocities[row][0]);
-            neighbors.fill(2, |row| bodies.velocities[row][1]);
+            neighbors.fill(1, |row| bodies.velocities[row][0])?;
+            neighbors.fill(2, |row| bodies.velocities[row][1])?;
             count = 3;
         }
         neighbors.sum(bodies, table.cutoff, count, table, |row, by| {
             let mass = f64::from(bodies.masses[row]);
             sums[row] = [0, 1].map(|k| sums[row][k] + (by[k] / mass) as f32);
-        });
+        })
     }
 
     fn limit(&self, _: &ForceInput<'_>, _: &mut [[f32; 2]]) {}
 
     /// Half of that of each pair for each of its own bodies; 0 beyond the cutoff, and if the forces are not equal
     /// and opposite.
-    fn energy(&self, bodies: &ForceInput<'_>) -> f64 {
+    fn energy(&self, bodies: &ForceInput<'_>) -> Result<f64> {
         let table = &*self.table;
         if table.potentials.is_empty() {
-            return 0.0;
+            return Ok(0.0);
         }
         let mut neighbors = neighbors::Scratch::default();
-        neighbors.sort(bodies);
-        neighbors.fill(0, |row| f32::from(bodies.kind(row)));
-        neighbors.fill(1, |row| f32::from(bodies.rows[row] < bodies.own_rows));
+        neighbors.sort(bodies)?;
+        neighbors.fill(0, |row| f32::from(bodies.kind(row)))?;
+        neighbors.fill(1, |row| f32::from(bodies.rows[row] < bodies.own_rows))?;
         let [kinds, weights, ..] = neighbors.columns();
         // Every pair is summed twice.
-        0.5 * neighbors.sum_of_pairs(bodies, table.cutoff, |indices, distance| {
+        let sum = neighbors.sum_of_pairs(bodies, table.cutoff, |indices, distance| {
             let [a, b] = indices.map(|index| kinds[index] as usize);
             f64::from(weights[indices[0]]) * table.potential(a, b, distance)
-        })
+        })?;
+        Ok(0.5 * sum)
     }
 
     fn partners(&self) -> Partners {

@@ -4,7 +4,9 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 use super::ForceInput;
+use jostle_base::error::Result;
 use jostle_base::interrupt;
+use jostle_base::memory;
 use jostle_base::settings::{DEFAULT_MAX_DEPTH, Settings};
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes};
@@ -32,11 +34,10 @@ impl Sorted {
         bodies: &ForceInput<'_>,
         most: usize,
         tie: &dyn Fn(usize, usize) -> Ordering,
-    ) {
+    ) -> Result<()> {
         let columns = self.shapes.columns_mut();
         // Positions alone sort the bodies, so radii are left out.
-        columns.centers.clear();
-        columns.centers.extend_from_slice(bodies.positions);
+        memory::assign(columns.centers, bodies.positions)?;
         *columns.radii = Each::One(0.0);
         let settings =
             Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
@@ -44,29 +45,30 @@ impl Sorted {
         // All ranks need the same extent, or the order of sums would differ between them.
         self.tree.set_extent(bodies.extent);
         self.tree.set_nested();
-        let built = interrupt::unwatched(|| self.tree.rebuild(&self.shapes, settings, tie));
-        built.expect("there is scratch for the tree of a force");
-        self.find_groups(most);
+        interrupt::unwatched(|| self.tree.rebuild(&self.shapes, settings, tie))?;
+        self.find_groups(most)
     }
 
     /// Lists the largest nodes of at most `most` bodies, and leaves, in order.
-    fn find_groups(&mut self, most: usize) {
+    fn find_groups(&mut self, most: usize) -> Result<()> {
         let Self { tree, groups, stack, .. } = self;
         groups.clear();
+        stack.clear();
         if tree.is_empty() {
-            return;
+            return Ok(());
         }
-        stack.push(0);
+        memory::push(stack, 0)?;
         while let Some(index) = stack.pop() {
             // Groups follow from the tree alone, so they do not depend on threads.
             let node = &tree.nodes()[index as usize];
             if node.is_leaf() || node.len() <= most {
-                groups.push(index);
+                memory::push(groups, index)?;
             } else {
                 // In reverse order, so that groups are listed in the order of the tree.
-                stack.extend(node.children().rev().map(|child| child as u32));
+                memory::extend(stack, node.children().rev().map(|child| child as u32))?;
             }
         }
+        Ok(())
     }
 
     /// The bodies of a group, as indices in the order of the tree.

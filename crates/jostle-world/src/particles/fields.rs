@@ -12,6 +12,7 @@ use super::{
 };
 use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::table::{Table, dense, sparse, sparse_value};
 use jostle_index::shapes::Each;
 
@@ -66,7 +67,7 @@ macro_rules! check {
         check(&$column)?;
     };
     ([$check:expr] $type:ty, $column:expr, $part:ident) => {
-        check!([$check] $type, $column.iter().map(|value| value.$part).collect::<Vec<$type>>());
+        check!([$check] $type, memory::collect($column.iter().map(|value| value.$part))?);
     };
 }
 
@@ -94,6 +95,14 @@ macro_rules! fields {
                 $(if let Some(values) = &self.$name {
                     values.check_len(stringify!($name), len)?;
                     $(values.check($check)?;)?
+                })*
+                Ok(())
+            }
+
+            /// Reserves memory for [`Changes::write`] to particles of which there will be `len`.
+            pub fn reserve(&self, to: &mut Particles, len: usize) -> Result<()> {
+                $(if self.$name.is_some() {
+                    memory::reserve_len(&mut to.$column, len)?;
                 })*
                 Ok(())
             }

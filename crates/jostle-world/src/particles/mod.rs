@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 pub use changes::Effect;
 pub use fields::{Changes, Field, FieldVisitor, FieldVisitorMut};
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::table::{Table, check_lengths, sparse_value};
 use jostle_base::{plain, table};
 use jostle_index::shapes::Filter;
@@ -80,20 +81,39 @@ table! {
 }
 
 impl Particles {
-    /// Particles with the article's masses (density × radius²), elastic and movable.
+    /// Particles with the article's masses (density × radius²), elastic and movable. Panics without memory.
     pub fn new(
         positions: Vec<[f32; 2]>,
         velocities: Vec<[f32; 2]>,
         radii: Vec<f32>,
         density: f32,
     ) -> Self {
+        Self::try_new(positions, velocities, radii, density).expect("there is memory")
+    }
+
+    /// As [`Particles::new`]; an error if there is no memory.
+    pub fn try_new(
+        positions: Vec<[f32; 2]>,
+        velocities: Vec<[f32; 2]>,
+        radii: Vec<f32>,
+        density: f32,
+    ) -> Result<Self> {
         let len = positions.len();
         // Without π, as in the article; only ratios of masses matter.
-        let masses = radii.iter().map(|r| density * r * r).collect();
-        let (restitutions, movable) = (vec![1.0; len], vec![true; len]);
-        let mut others = Self::default();
-        others.resize(len);
-        Self { positions, velocities, radii, masses, restitutions, movable, ..others }
+        let masses = memory::collect(radii.iter().map(|r| density * r * r))?;
+        let (restitutions, movable) = (memory::filled(len, 1.0)?, memory::filled(len, true)?);
+        let residuals = memory::filled(len, [0.0; 2])?;
+        let others = Self::default();
+        Ok(Self {
+            positions,
+            residuals,
+            velocities,
+            radii,
+            masses,
+            restitutions,
+            movable,
+            ..others
+        })
     }
 
     /// Number of particles.
@@ -166,6 +186,12 @@ impl Particles {
         (a * b).sqrt() as f32
     }
 
+    /// As [`Particles::spins_mut`]; an error if there is no memory.
+    pub fn try_spins_mut(&mut self) -> Result<&mut [Spin]> {
+        memory::reserve_len(&mut self.spins, self.positions.len())?;
+        Ok(self.spins_mut())
+    }
+
     /// Friction and rotation of all discs, to be changed.
     pub fn spins_mut(&mut self) -> &mut [Spin] {
         self.spins.resize(self.positions.len(), Spin::default());
@@ -211,6 +237,13 @@ impl Particles {
     pub fn retain(&mut self, keep: impl Fn(usize) -> bool) {
         let keep: Vec<bool> = (0..self.len()).map(keep).collect();
         self.keep(&keep);
+    }
+
+    /// As [`Particles::extend`]; an error if there is no memory.
+    pub fn try_extend(&mut self, other: &Self) -> Result<()> {
+        self.reserve(other, self.len() + other.len())?;
+        self.extend(other);
+        Ok(())
     }
 
     /// Appends the rows of `other`.

@@ -12,11 +12,12 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
 use crate::world::bodies::discs::Persistent;
-use crate::world::islands::sleep::remove_sleepers;
+use crate::world::islands::sleep::{kept_awake, remove_sleepers};
 use crate::world::touches::{Touch, touch_of};
 use jostle_base::bytes::{Plain, Reader, append, damaged, read_all};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_base::plain;
 use jostle_base::table::{Declared, Table, Value, Visitor, VisitorMut, sparse_value};
 
@@ -213,7 +214,7 @@ pub fn own_touches_asleep(world: &World) -> Vec<Touch> {
 pub fn take_kept(world: &mut World, bytes: Parts<'_>) -> Result<()> {
     let ids: Vec<Id> = match domain_of(world) {
         Some(domain) => domain.ids[..domain.own].to_vec(),
-        None => world.bodies.ids(),
+        None => world.bodies.ids()?,
     };
     let rows: HashMap<Id, u32> = ids.into_iter().zip(0..).collect();
     let [kept, resting, pushes, members, touches] = bytes;
@@ -236,7 +237,7 @@ pub(super) fn take_kept_of(
     let unknown = || damaged("an impulse is on no particle");
     let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
     let count = world.bodies.awake.rows.len();
-    let indices = world.bodies.indices().to_vec();
+    let indices = memory::copy(world.bodies.indices()?)?;
     // Bytes of a file are not trusted: an unknown id is an error, and no index.
     for of in kept.chunks_exact(KEPT) {
         let mut from = Reader::without_head(of);
@@ -249,7 +250,9 @@ pub(super) fn take_kept_of(
         })?;
     }
     let pushes = read_all::<Push>(pushes).map(|push| Ok(push.of_row(row_of(push.id)?)));
-    world.boundaries.insert(pushes.collect::<Result<Vec<_>>>()?.into_iter());
+    let pushes = pushes.collect::<Result<Vec<_>>>()?;
+    memory::reserve(&mut world.boundaries.impulses, pushes.len())?;
+    world.boundaries.insert(&pushes);
     take_resting(world, rows, resting.into_iter())
 }
 
@@ -261,7 +264,7 @@ fn restore_sleepers(
     touches: Vec<SleepingContact>,
 ) -> Result<()> {
     let row_of = |id: Id| rows.get(&id).copied();
-    let indices = world.bodies.indices();
+    let indices = world.bodies.indices()?;
     let index = |(&id, &island): (&Id, &Id)| Some((island, indices[row_of(id)? as usize]));
     let mut all: Vec<(Id, u32)> = members.iter().filter_map(index).collect();
     all.sort_unstable();
@@ -283,18 +286,19 @@ fn restore_sleepers(
         islands.names[first as usize] = name;
     }
     islands.members.sort_unstable();
-    let mut new = islands.take(&world.bodies.awake);
-    world.boundaries.copy_to(&mut new);
+    let mut new = islands.take(&world.bodies.awake)?;
+    world.boundaries.copy_to(&mut new)?;
     if world.halo.is_whole() {
-        new.set_contacts(contacts_of_rows(&new, &touches, row_of)?);
+        new.set_contacts(contacts_of_rows(&new, &touches, row_of)?)?;
     } else {
         domain_of_mut(world).sleeping = touches;
     }
     if new.islands.is_empty() {
         return Ok(());
     }
+    let keep = kept_awake(world)?;
     world.bodies.asleep.append(&new, world.settings.tree)?;
-    remove_sleepers(world, new);
+    remove_sleepers(world, new, &keep);
     Ok(())
 }
 
@@ -313,8 +317,7 @@ fn take_resting(
         if all.iter().any(|of| of.rows.contains(&NONE)) {
             return Err(damaged("an impulse is on no particle"));
         }
-        insert_resting(world, &all, |_| None);
-        return Ok(());
+        return insert_resting(world, &all, |_| None);
     }
     let domain = domain_of_mut(world);
     domain.resting.extend(new.map(known));
@@ -343,21 +346,25 @@ fn take_resting(
 }
 
 /// Gives the contacts at rest their impulses of the step before, when the ghosts are there.
-pub(super) fn recall_resting(world: &mut World) {
-    let Some(domain) = domain_of(world) else { return };
+pub(super) fn recall_resting(world: &mut World) -> Result<()> {
+    let Some(domain) = domain_of(world) else { return Ok(()) };
     if domain.resting.is_empty() {
-        return;
+        return Ok(());
     }
     // Own rows are known already. Those of ghosts change with each exchange.
     let ghosts = (domain.own as u32..).zip(&domain.ids[domain.own..]);
     let rows_of: HashMap<Id, u32> = ghosts.map(|(row, &id)| (id, row)).collect();
     let resting = domain.resting.clone();
-    insert_resting(world, &resting, |id| rows_of.get(&id).copied());
+    insert_resting(world, &resting, |id| rows_of.get(&id).copied())
 }
 
 /// Adds contacts with their impulses; `row_of` has the rows that they do not know.
-fn insert_resting(world: &mut World, all: &[Resting], row_of: impl Fn(Id) -> Option<u32>) {
-    let indices = world.bodies.indices();
+fn insert_resting(
+    world: &mut World,
+    all: &[Resting],
+    row_of: impl Fn(Id) -> Option<u32>,
+) -> Result<()> {
+    let indices = world.bodies.indices()?;
     let contact = |of: &Resting| {
         let row = |k: usize| match of.rows[k] {
             NONE => row_of(of.ids[k]),
@@ -368,7 +375,10 @@ fn insert_resting(world: &mut World, all: &[Resting], row_of: impl Fn(Id) -> Opt
         Some(Contact { indices, impulse, friction_impulse, ..Contact::default() })
     };
     let all: Vec<Contact> = all.iter().filter_map(contact).collect();
-    world.contacts.insert(all.into_iter(), world.bodies.awake.rows.len());
+    let count = world.bodies.awake.rows.len();
+    world.contacts.reserve_insert(all.len(), count)?;
+    world.contacts.insert(all.into_iter(), count);
+    Ok(())
 }
 
 /// Appends the pushes of a wall on a particle, if there are any.

@@ -42,7 +42,7 @@ pub fn distribute(
 ) -> Result<()> {
     check_distributable(world)?;
     // Sleeping islands of one process have no names, by which ranks know them.
-    wake_all(world);
+    wake_all(world)?;
     let mut group = Group::new(communicator);
     let mut total = [ids.len() as u64];
     group.sum(&mut total)?;
@@ -145,7 +145,7 @@ pub fn own_awake(world: &World) -> usize {
 
 /// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
 /// distributed.
-pub fn own_records(world: &World) -> Vec<u8> {
+pub fn own_records(world: &World) -> Result<Vec<u8>> {
     let Some(domain) = domain_of(world) else { return records_of(world, 0..world.len()) };
     let mut bytes = Vec::with_capacity(domain.own * RECORD);
     for (index, &row) in
@@ -157,18 +157,18 @@ pub fn own_records(world: &World) -> Vec<u8> {
     for at in world.bodies.asleep.indices() {
         put_record(&mut bytes, domain.id(discs.rows[at]), &discs.particles, at);
     }
-    bytes
+    Ok(bytes)
 }
 
 /// A world with the particles in some rows of another, and the settings, walls, forces and time.
 pub fn part(world: &World, rows: Range<usize>) -> Result<World> {
-    of_records(world, &records_of(world, rows))
+    of_records(world, &records_of(world, rows)?)
 }
 
-fn records_of(world: &World, rows: Range<usize>) -> Vec<u8> {
-    let (all, mut bytes) = (world.bodies.particles(), Vec::new());
+fn records_of(world: &World, rows: Range<usize>) -> Result<Vec<u8>> {
+    let (all, mut bytes) = (world.bodies.particles()?, Vec::new());
     rows.for_each(|row| put_record(&mut bytes, row as Id, &all, row));
-    bytes
+    Ok(bytes)
 }
 
 /// A world with the settings, walls, forces, attachment and time of another, and the particles of some records.
@@ -177,7 +177,7 @@ pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
     // The setters check everything again, because records of a file may be forged.
     let mut world = World::new(particles, like.settings)?;
     world.set_walls(like.walls().to_vec())?;
-    world.set_forces(like.forces())?;
+    world.set_forces(like.forces()?)?;
     world.set_defaults(like.bodies.defaults)?;
     world.attachment.clone_from(&like.attachment);
     world.time = like.time;

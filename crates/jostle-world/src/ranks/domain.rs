@@ -534,14 +534,14 @@ impl Distribution for Domain {
         sleepers: &Sleepers,
         contacts: &[(u32, Contact)],
         rows: &[u32],
-    ) -> bool {
+    ) -> Result<bool> {
         let kept = contacts.iter().map(|(island, contact)| {
             let ids = contact.indices.map(|index| self.ids[rows[index as usize] as usize]);
             SleepingContact::new(sleepers.islands[*island as usize].name, ids, contact)
         });
         let kept: Vec<SleepingContact> = kept.collect();
         self.sleeping.extend(kept);
-        true
+        Ok(true)
     }
 }
 

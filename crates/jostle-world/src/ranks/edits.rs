@@ -6,7 +6,7 @@ use super::migration::{append_records, drop_ghosts};
 use super::read_records;
 use crate::world::World;
 use crate::world::bodies::ids::Ids;
-use crate::world::edits::take_out;
+use crate::world::edits::{Removal, take_out};
 use crate::world::islands::wake::{wake_all, wake_to_stay};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -60,8 +60,8 @@ impl Domain {
 /// which only the velocities change, `changed` those of other changes.
 pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) -> Result<()> {
     let Some(domain) = domain_of(world) else { return Ok(()) };
-    let indices = world.bodies.indices_of(changed);
-    let islands = world.bodies.islands_of(&indices);
+    let indices = world.bodies.indices_of(changed)?;
+    let islands = world.bodies.islands_of(&indices)?;
     let own = Changed {
         wakes_all: indices.iter().any(|&index| world.bodies.is_immovable(index)),
         driven: driven.iter().map(|&row| domain.id(row)).collect(),
@@ -81,10 +81,9 @@ pub(super) fn wake_edited(world: &mut World, driven: &[u32], changed: &[u32]) ->
     let islands = if wakes_all {
         world.bodies.asleep.islands().collect()
     } else {
-        world.bodies.asleep.named(&names)
+        world.bodies.asleep.named(&names)?
     };
-    wake_to_stay(world, &islands);
-    Ok(())
+    wake_to_stay(world, &islands)
 }
 
 /// Adds particles to this rank, with ids among the particles of all ranks, which are above all ids
@@ -94,7 +93,7 @@ pub fn add(world: &mut World, records: Vec<u8>, ids: &[Id], count: usize) -> Res
     // As in one process: steps do not test immovable particles against sleeping ones.
     let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
     if world.halo().any(is_fixed)? {
-        wake_all(world);
+        wake_all(world)?;
     }
     let Some(domain) = domain_of(world) else { return Ok(()) };
     let first = domain.own;
@@ -121,7 +120,8 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
     // While the rows still have their old meaning.
     wake_edited(world, &[], &rows)?;
-    let shifted = take_out(world, &gone);
+    let removal = Removal::new(world, gone)?;
+    let Removal { gone, shifted, .. } = take_out(world, removal);
     let domain = domain_of_mut(world);
     crate::world::bodies::ids::retain_unless(&mut domain.ids, &gone);
     domain.own = domain.ids.len();
@@ -140,11 +140,11 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
 }
 
 /// The ids of the particles of this rank, and the id that is given next.
-pub fn own_ids(world: &World) -> (Vec<Id>, Id) {
-    match domain_of(world) {
+pub fn own_ids(world: &World) -> Result<(Vec<Id>, Id)> {
+    Ok(match domain_of(world) {
         Some(domain) => (domain.ids[..domain.own].to_vec(), domain.next),
-        None => (world.bodies.ids(), world.bodies.ids.parts().1),
-    }
+        None => (world.bodies.ids()?, world.bodies.ids.parts().1),
+    })
 }
 
 /// Replaces the ids of all rows, ascending, and the id that is given next; in a distributed world those

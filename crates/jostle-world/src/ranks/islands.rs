@@ -66,14 +66,14 @@ struct Group {
 saved! { struct Group { label, motion, others } }
 
 /// Joins groups to islands: the name of each and how it moves, by the labels of its groups.
-fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
+fn join(groups: &[Group]) -> Result<HashMap<Id, (Id, IslandMotion)>> {
     let labels = |of: &Group| [&[of.label], &of.others[..]].concat();
     let mut all: Vec<Id> = groups.iter().flat_map(labels).collect();
     all.sort_unstable();
     all.dedup();
     let number = |label: &Id| all.partition_point(|of| of < label) as u32;
     let mut sets = DisjointSets::default();
-    sets.reset(all.len());
+    sets.reset(all.len())?;
     for of in groups {
         of.others.iter().for_each(|other| sets.join(number(&of.label), number(other)));
     }
@@ -85,7 +85,7 @@ fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
         let root = sets.root(number(label)) as usize;
         (*label, (all[root], motions[root]))
     };
-    all.iter().map(island).collect()
+    Ok(all.iter().map(island).collect())
 }
 
 /// Gives the islands of this rank's particles their names, and how all their members on all ranks have
@@ -112,10 +112,10 @@ pub(super) fn join_islands(world: &mut World) -> Result<()> {
     own.values().for_each(|group| group.put(&mut to));
     let mut groups: Vec<Group> = Vec::new();
     // Every rank reads the groups in the order of ranks and joins them in the same way.
-    for bytes in locked(&domain.group).share(&to.into_bytes())? {
+    for bytes in locked(&domain.group).share(&to.into_bytes()?)? {
         groups.append(&mut Saved::get(&mut Reader::without_head(&bytes))?);
     }
-    let islands = join(&groups);
+    let islands = join(&groups)?;
     for (first, group) in own {
         (names[first as usize], motions[first as usize]) = islands[&group.label];
     }
@@ -209,7 +209,7 @@ mod tests {
             group(5, &[6], 0.0),
             group(6, &[5], 0.0),
         ];
-        let islands = join(&groups);
+        let islands = join(&groups).unwrap();
         for label in [9, 4, 7] {
             let (name, motion) = islands[&label];
             assert_eq!((name, motion.squares, motion.count), (4, [0.3, 0.5], 6));
@@ -224,7 +224,7 @@ mod tests {
         let mut to = Writer::default();
         of.put(&mut to);
         of.put(&mut to);
-        let bytes = to.into_bytes();
+        let bytes = to.into_bytes().unwrap();
         let mut from = Reader::without_head(&bytes);
         for _ in 0..2 {
             let found = Group::get(&mut from).unwrap();

@@ -16,7 +16,7 @@ use crate::world::bodies::discs::Discs;
 use crate::world::bodies::ids::Ids;
 use crate::world::bodies::ids::{renumber, retain_unless};
 use crate::world::boundaries::Boundaries;
-use crate::world::edits::take_out;
+use crate::world::edits::{Removal, take_out};
 use crate::world::external::joint_acceleration;
 use crate::world::merge::union;
 use crate::world::{StepScratch, World};
@@ -80,7 +80,7 @@ pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result
     let Some(domain) = domain_of(world) else { return Ok(Vec::new()) };
     let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
     let mut groups = DisjointSets::default();
-    groups.reset(world.bodies.awake.rows.len());
+    groups.reset(world.bodies.awake.rows.len())?;
     touching.iter().for_each(|&[a, b]| groups.join(a, b));
     let mut indices: Vec<[u32; 2]> =
         touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
@@ -106,7 +106,7 @@ pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result
     }
     let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     let all = locked(&domain.group).share(&bytes)?.concat();
-    let islands = join(&all);
+    let islands = join(&all)?;
     // Another rank may have found that an own particle touches one of its own. This rank then has
     // the particle in no group of its own.
     let sent = (0..).zip(&world.bodies.awake.rows).filter(|&(_, &row)| is_sent(row));
@@ -122,7 +122,7 @@ pub(super) fn members_of_islands(world: &World, touching: &[[u32; 2]]) -> Result
 
 /// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
 pub(super) fn merge_members(world: &mut World, members: &[Member]) -> Result<bool> {
-    let to = put_members(world, members);
+    let to = put_members(world, members)?;
     let Some(domain) = domain_of(world) else { return Ok(false) };
     // Members travel to the rank of the smallest id. The names of the islands that have merged
     // travel back, because `union` may refuse an island, and its members stay then.
@@ -155,7 +155,7 @@ pub(super) fn merge_members(world: &mut World, members: &[Member]) -> Result<boo
         domain.before = Some(domain.count());
     }
     write_merged(world, &members, &merged, &arrived.states[0]);
-    remove_members(world, &members);
+    remove_members(world, &members)?;
     domain_of_mut(world).total -= gone as usize;
     sum_up(world)?;
     world.external.end_if_zero(&*world.halo)?;
@@ -167,8 +167,8 @@ fn id_of_index(world: &World, index: u32) -> Id {
 }
 
 /// Members as bytes, for the ranks that merge them.
-fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
-    let Some(domain) = domain_of(world) else { return Vec::new() };
+fn put_members(world: &World, members: &[Member]) -> Result<Vec<Vec<u8>>> {
+    let Some(domain) = domain_of(world) else { return Ok(Vec::new()) };
     let mut to = vec![Vec::new(); locked(&domain.group).size()];
     let mut pushes: HashMap<u32, Vec<Push>> = HashMap::new();
     for of in &world.boundaries.impulses {
@@ -184,9 +184,9 @@ fn put_members(world: &World, members: &[Member]) -> Vec<Vec<u8>> {
         let pushes = pushes.remove(&row).unwrap_or_default();
         let mut details = Writer::default();
         Details { island, rank, external, is_exhausted, pushes }.put(&mut details);
-        to.extend(details.into_bytes());
+        to.extend(details.into_bytes()?);
     }
-    to
+    Ok(to)
 }
 
 /// Reads members, and puts them in order.
@@ -276,8 +276,8 @@ fn write_merged(world: &mut World, members: &[Member], merged: &[Merged], starts
 }
 
 /// Removes the members that are part of others now, and all ghosts.
-fn remove_members(world: &mut World, members: &[Member]) {
-    let Some(domain) = domain_of(world) else { return };
+fn remove_members(world: &mut World, members: &[Member]) -> Result<()> {
+    let Some(domain) = domain_of(world) else { return Ok(()) };
     let mut gone: Vec<bool> =
         (0..world.bodies.awake.rows.len() as u32).map(|row| !domain.owns(row)).collect();
     let mut merged = Vec::new();
@@ -291,7 +291,8 @@ fn remove_members(world: &mut World, members: &[Member]) {
     merged.sort_unstable();
     let keep: Vec<bool> = world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
     world.scratch.starts.keep(&keep);
-    let shifted = take_out(world, &gone);
+    let removal = Removal::new(world, gone)?;
+    let Removal { gone, shifted, .. } = take_out(world, removal);
     world.boundaries.renumber_pushes(&gone, &shifted);
     renumber(&mut world.scratch.exhausted, |row| row, (&gone, &shifted));
     world.bodies.ids = Ids::of_rows(world.bodies.awake.rows.len());
@@ -299,13 +300,14 @@ fn remove_members(world: &mut World, members: &[Member]) {
     retain_unless(&mut domain.ids, &gone);
     domain.own = domain.ids.len();
     if !merged.is_empty() {
-        world.record.add_merged(merged);
+        world.record.add_merged(merged)?;
     }
+    Ok(())
 }
 
 /// Joins groups of all ranks to islands: the smallest id and its rank, by the ids of members. A group is its
 /// length, then the id and the rank of each member.
-fn join(bytes: &[u8]) -> HashMap<Id, (Id, usize)> {
+fn join(bytes: &[u8]) -> Result<HashMap<Id, (Id, usize)>> {
     let (words, _) = bytes.as_chunks::<8>();
     let mut words = words.iter().map(|word| u64::from_le_bytes(*word));
     let mut groups: Vec<Vec<(Id, usize)>> = Vec::new();
@@ -318,10 +320,10 @@ fn join(bytes: &[u8]) -> HashMap<Id, (Id, usize)> {
     all.dedup();
     let number = |of: &(Id, usize)| all.partition_point(|other| other < of) as u32;
     let mut sets = DisjointSets::default();
-    sets.reset(all.len());
+    sets.reset(all.len())?;
     for group in &groups {
         group.iter().for_each(|of| sets.join(number(&group[0]), number(of)));
     }
     let island = |of: &(Id, usize)| (of.0, all[sets.root(number(of)) as usize]);
-    all.iter().map(island).collect()
+    Ok(all.iter().map(island).collect())
 }

@@ -95,8 +95,7 @@ impl Protocol for Ranks {
         let has_all = exchange_ghosts(world, dt)?;
         domain_of_mut(world).has_all = has_all;
         // Contacts with ghosts can be found only when the ghosts are there.
-        recall_resting(world);
-        Ok(())
+        recall_resting(world)
     }
 
     fn renew(&self, world: &mut World, dt: f32) -> Result<()> {
@@ -139,7 +138,7 @@ impl Protocol for Ranks {
         Ok((shape, refinement))
     }
 
-    fn limit(&self, world: &mut World) {
+    fn limit(&self, world: &mut World) -> Result<()> {
         let World {
             bodies: Bodies { awake: Discs { particles, rows, .. }, .. },
             scratch,
@@ -148,6 +147,7 @@ impl Protocol for Ranks {
             ..
         } = world;
         Domain::of_mut(&mut **halo).limit(particles, rows, &settings.container, scratch);
+        Ok(())
     }
 
     fn end_part(&self, world: &mut World) {
@@ -217,8 +217,9 @@ impl Protocol for Ranks {
         wake_edited(world, driven, changed)
     }
 
-    fn recall_contacts(&self, world: &mut World, islands: &[u32]) {
+    fn recall_contacts(&self, world: &mut World, islands: &[u32]) -> Result<()> {
         recall_contacts_of_woken(world, islands);
+        Ok(())
     }
 
     fn drop_contacts(&self, world: &mut World) {
@@ -233,10 +234,10 @@ impl Protocol for Ranks {
         keep_pairs_of_sleepers(world)
     }
 
-    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
+    fn touching_asleep(&self, world: &World) -> Result<Vec<[Id; 2]>> {
         let all = domain_of(world).map_or(&[][..], |domain| &domain.sleeping);
         let touch = all.iter().filter(|of| of.is_near || of.contact.presses());
-        touch.map(|of| of.ids).map(|[a, b]| [a.min(b), a.max(b)]).collect()
+        Ok(touch.map(|of| of.ids).map(|[a, b]| [a.min(b), a.max(b)]).collect())
     }
 }
 

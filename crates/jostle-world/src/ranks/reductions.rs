@@ -57,11 +57,11 @@ pub(super) fn sum_up(world: &mut World) -> Result<()> {
 /// ghosts, and it then has ghosts that no step can use.
 pub fn own_energy_of_pairs(world: &mut World) -> Result<f64> {
     if world.halo.is_whole() {
-        return Ok(energy_in_forces(world));
+        return energy_in_forces(world);
     }
     // Immovable particles get ghosts, too.
     world.settings.track_events = true;
     rebalance(world)?;
     exchange_neighbors(world)?;
-    Ok(energy_in_forces(world))
+    energy_in_forces(world)
 }

@@ -160,9 +160,9 @@ pub(super) fn wake_touched(world: &mut World, touched: &[u32], all: bool) -> Res
     let islands = if all {
         world.bodies.asleep.islands().collect()
     } else {
-        world.bodies.asleep.named(&names)
+        world.bodies.asleep.named(&names)?
     };
-    wake(world, &islands);
+    wake(world, &islands)?;
     // The numbers of particles that are awake have changed, on which steps depend.
     sum_up(world)
 }

@@ -30,7 +30,7 @@ use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::particles::Particles;
 use crate::walls::{self as segments, Around};
 use jostle_base::error::Result;
-use jostle_base::{parallel, plain};
+use jostle_base::{memory, parallel, plain};
 use jostle_simd::LANES;
 use rule::{MAX_REST_GAP, Start, Surfaces};
 pub use rule::{TOUCHING, are_touching};
@@ -194,13 +194,13 @@ impl Resting {
     ) -> Result<()> {
         // The order of a sub-step: velocities without contacts, springs that are held, the contacts
         // that rest, the iterations, and then kicks for the flight. Positions do not change here.
-        self.begin(scene, kicks);
-        self.begin_held(scene, springs, kicks);
+        self.begin(scene, kicks)?;
+        self.begin_held(scene, springs, kicks)?;
         self.find_starts(scene, &mut contacts.blocks.list);
-        self.list_walls(scene, contacts, kicks);
+        self.list_walls(scene, contacts, kicks)?;
         let pairs = &mut contacts.blocks;
         if springs.holds_any() {
-            springs.add_pushes(self.pushes(scene, &pairs.list));
+            springs.add_pushes(self.pushes(scene, &pairs.list))?;
             self.forgo_impacts(springs, &mut pairs.list);
         }
         let Self { velocities, after_impacts, surface_speeds, .. } = self;
@@ -214,7 +214,7 @@ impl Resting {
         for walls in &*walls {
             let (row, mass) =
                 (scene.rows[walls.index as usize], scene.particles.masses[walls.index as usize]);
-            to.extend(walls.impulses(row, mass));
+            memory::extend(to, walls.impulses(row, mass))?;
         }
         // The next sub-step searches by rows.
         to.sort_unstable_by_key(|of| (of.row, of.wall));
@@ -223,12 +223,12 @@ impl Resting {
     }
 
     /// Writes the velocities without contacts, and the speeds that gravity and forces give.
-    fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) {
+    fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) -> Result<()> {
         let count = kicks.len();
-        self.velocities.resize_with_spare(count);
-        self.after_impacts.resize(count);
+        self.velocities.resize_with_spare(count)?;
+        self.after_impacts.resize(count)?;
         let turning = if scene.has_friction { count } else { 0 };
-        self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 });
+        self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 })?;
         let Self { velocities, surface_speeds, .. } = &*self;
         parallel::for_rows(scene.threads, turning, |index| {
             surface_speeds.set(index as u32, scene.surface_speed(index));
@@ -256,31 +256,35 @@ impl Resting {
         });
         // A pile under gravity alone needs no column of speeds, and the kernel saves two gathers.
         self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick);
-        if self.speed_of_all.is_none() {
-            self.list_speeds(scene, kicks);
-        }
+        if self.speed_of_all.is_none() { self.list_speeds(scene, kicks) } else { Ok(()) }
     }
 
     /// Lists the speeds that gravity and forces give.
-    fn list_speeds(&mut self, scene: &Support<'_>, kicks: &[Kick]) {
-        self.speeds.resize_with_spare(kicks.len());
+    fn list_speeds(&mut self, scene: &Support<'_>, kicks: &[Kick]) -> Result<()> {
+        self.speeds.resize_with_spare(kicks.len())?;
         let speeds = &self.speeds;
         parallel::for_rows(scene.threads, kicks.len(), |index| {
             speeds.set(index as u32, [kicks[index].speed, 0.0]);
         });
+        Ok(())
     }
 
     /// Begins a sub-step of springs that are solved together with contacts. They count as forces
     /// that may press particles against each other.
-    fn begin_held(&mut self, scene: &Support<'_>, springs: &mut SpringSolver, kicks: &mut [Kick]) {
+    fn begin_held(
+        &mut self,
+        scene: &Support<'_>,
+        springs: &mut SpringSolver,
+        kicks: &mut [Kick],
+    ) -> Result<()> {
         if !springs.holds_any() {
-            return;
+            return Ok(());
         }
         springs.begin_held(scene.flow, scene.motions, &scene.particles.movable, |index, by| {
             kicks[index as usize].speed += (by[0] * by[0] + by[1] * by[1]).sqrt() as f32;
-        });
+        })?;
         self.speed_of_all = None;
-        self.list_speeds(scene, kicks);
+        self.list_speeds(scene, kicks)
     }
 
     /// Leaves out the impacts of contacts that are solved together with springs: springs press
@@ -345,11 +349,16 @@ impl Resting {
     }
 
     /// Lists the particles that rest on walls, those with contacts of uneven masses first.
-    fn list_walls(&mut self, scene: &Support<'_>, contacts: &Contacts, kicks: &[Kick]) {
+    fn list_walls(
+        &mut self,
+        scene: &Support<'_>,
+        contacts: &Contacts,
+        kicks: &[Kick],
+    ) -> Result<()> {
         let Self { walls, uneven_walls, parts, .. } = self;
         walls.clear();
-        parts.resize_with(kicks.len().div_ceil(WALL_PART), WallPart::default);
-        let mut list = |uneven| {
+        memory::resize_default(parts, kicks.len().div_ceil(WALL_PART))?;
+        let mut list = |uneven| -> Result<usize> {
             // Those of ghosts are solved by their own processes.
             let is_own = |index: usize| scene.halo.owns(index as u32);
             let may_rest = |index: usize| scene.lossy.get(index).is_none_or(|&lossy| lossy);
@@ -360,26 +369,36 @@ impl Resting {
                     && contacts.is_uneven(index as u32) == uneven
             };
             let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
-            parallel::for_each(scene.threads, tasks, |(part, first)| {
+            parallel::try_for_each(scene.threads, tasks, |(part, first)| {
                 let WallPart { walls, found, near } = part;
+                // An error of another part leaves them.
+                walls.clear();
+                memory::reserve(near, WALL_PART)?;
                 let indices = first..kicks.len().min(first + WALL_PART);
                 let near = scene.near_walls(indices, kicks, near).iter();
                 let near = near.map(|&index| index as usize).filter(is_listed);
-                walls.extend(
-                    near.filter_map(|index| OnWalls::of(index, scene, &kicks[index], found)),
-                );
-            });
+                for index in near {
+                    if let Some(of) = OnWalls::of(index, scene, &kicks[index], found) {
+                        memory::push(walls, of)?;
+                    }
+                }
+                Ok(())
+            })?;
             // Joined in the order of particles, whichever thread has made a part.
-            parts.iter_mut().for_each(|part| walls.append(&mut part.walls));
-            walls.len()
+            for part in &mut *parts {
+                memory::reserve(walls, part.walls.len())?;
+                walls.append(&mut part.walls);
+            }
+            Ok(walls.len())
         };
         *uneven_walls = 0;
         if scene.walls.container.has_sides() || !scene.walls.is_empty() {
             if contacts.has_uneven() {
-                *uneven_walls = list(true);
+                *uneven_walls = list(true)?;
             }
-            list(false);
+            list(false)?;
         }
+        Ok(())
     }
 
     /// Writes the changes of velocity of the particles, which come before the flight. A particle that

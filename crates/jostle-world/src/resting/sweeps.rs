@@ -7,12 +7,13 @@ use std::sync::Mutex;
 use super::pairs::{Pass, Phase, Sweep};
 use super::walls::OnWalls;
 use super::{Support, sum};
-use crate::contacts::{Block, Blocks};
+use crate::contacts::{self, Block, Blocks};
 use crate::flow::Kick;
 use crate::forces::springs::{Place, Push, Pushes, SpringSolver};
 use crate::motion::{Scalars, Vectors};
 use jostle_base::error::Result;
 use jostle_base::interrupt::Stop;
+use jostle_base::memory;
 use jostle_base::parallel::{self, Member, locked};
 
 /// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
@@ -78,22 +79,22 @@ impl Sweeps<'_> {
         if halo.is_alone() && parallel::is_parallel(threads) {
             return self.run_together(has_fast);
         }
-        self.list_work(has_fast);
+        self.list_work(has_fast)?;
         halo.any_bits(self.work)?;
         self.run_on_one()
     }
 
     /// Lists whether there are fast contacts, and for each colour a bit if any contacts rest, and one
     /// if any of uneven masses do.
-    fn list_work(&mut self, has_fast: bool) {
+    fn list_work(&mut self, has_fast: bool) -> Result<()> {
         let any = |blocks: &[Block]| u8::from(blocks.iter().any(|block| block.resting > 0));
         // The list is combined over all processes. All of them must make the same steps, or one
         // would wait for a message that another does not send.
         self.work.clear();
-        self.work.push(u8::from(has_fast));
+        memory::push(self.work, u8::from(has_fast))?;
         let Blocks { list, colours } = &*self.pairs;
-        self.work
-            .extend(colours.iter().map(|of| any(&list[of.all()]) | any(&list[of.uneven()]) << 1));
+        let any = |of: &contacts::Colour| any(&list[of.all()]) | any(&list[of.uneven()]) << 1;
+        memory::extend(self.work, colours.iter().map(any))
     }
 
     /// The tasks in their order. It is the same on all threads and processes, because each correction
@@ -224,17 +225,20 @@ impl Sweeps<'_> {
                 let own = rest.split_off_mut(..blocks).unwrap_or_default();
                 for blocks in own.chunks_mut(BLOCKS) {
                     if traits[2] {
-                        of_block.extend((0..blocks.len()).map(|at| [parts.len(), at]));
+                        memory::extend(
+                            &mut of_block,
+                            (0..blocks.len()).map(|at| [parts.len(), at]),
+                        )?;
                     }
-                    parts.push(Mutex::new(blocks));
+                    memory::push(&mut parts, Mutex::new(blocks))?;
                 }
-                parts.len()
+                Ok(parts.len())
             };
-            let uneven_end = cut(uneven);
-            let end = cut(colour.all().len() - uneven);
+            let uneven_end = cut(uneven)?;
+            let end = cut(colour.all().len() - uneven)?;
             colours.push(Colour { first, uneven_end, end, is_serial: colour.is_serial });
         }
-        let walls: Vec<_> = walls.chunks_mut(WALLS).map(Mutex::new).collect();
+        let walls = memory::collect(walls.chunks_mut(WALLS).map(Mutex::new))?;
         // After an interruption there is no more work, but all threads still wait for each other.
         let run = |member: &Member<'_>, task| match task {
             Task::Contacts(pass, which) => {

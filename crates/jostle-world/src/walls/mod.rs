@@ -26,6 +26,7 @@ pub use around::Around;
 pub use contact::OPPOSED;
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::{Error, Result};
+use jostle_base::memory;
 use jostle_base::saved;
 use jostle_base::settings::Settings;
 use jostle_index::pairs::{LineSegment, LineSegments};
@@ -164,6 +165,8 @@ pub struct Walls {
     sides: Sides,
     /// Whether any wall has a velocity; then a step reads those of all walls.
     any_moves: bool,
+    /// Whether the tree is older than the walls, because a step was undone.
+    is_stale: bool,
     /// Whether all coefficients of restitution are 1, apart from those of the sides.
     are_elastic: bool,
 }
@@ -261,10 +264,11 @@ impl Walls {
         let Self { all, images, lines, segments, indices, tree, .. } = self;
         // The first rows are the walls themselves, in their order; images follow.
         images.clear();
-        images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
-        let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
+        let own = (0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] });
+        memory::extend(images, own)?;
+        let mut bounds = memory::collect(all.iter().map(|wall| wall.swept_bounds(dt)))?;
         if !period.is_none() {
-            add_images(all, period, images, &mut bounds);
+            add_images(all, period, images, &mut bounds)?;
         }
         let line = |image: &Image| {
             let wall = &all[image.wall as usize];
@@ -273,7 +277,8 @@ impl Walls {
                 ..Line::of(wall, torus_offset(wall.exact_ends(), period))
             }
         };
-        let radii = images.iter().map(|image| line(image).rounding.max(1e-18) as f32).collect();
+        let radii = images.iter().map(|image| line(image).rounding.max(1e-18) as f32);
+        let radii = memory::collect(radii)?;
         let shapes = Shapes::from_boxes(bounds, Each::Rows(radii), None)?;
         // A leaf of the walls is about as large as one of the bounds of particles.
         let leaf_capacity = settings.leaf_capacity.min(LEAF_CAPACITY);
@@ -281,17 +286,21 @@ impl Walls {
             compare(all, images[a].wall as usize, images[b].wall as usize).then(a.cmp(&b))
         };
         tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &tie)?;
+        // Each wall keeps a line if memory is short here, because `restore` moves both.
+        memory::reserve_len(lines, images.len())?;
+        memory::reserve_len(indices, all.len())?;
         lines.clear();
-        lines.extend(tree.rows().iter().map(|&row| line(&images[row as usize])));
-        segments.fill(lines.iter().zip(tree.rows()).map(|(line, &row)| {
-            let ends = line.ends.map(|end| vector(|k| end[k] + images[row as usize].offset[k]));
-            LineSegment::new(ends, line.least_radius, line.displacement_length)
-        }));
-        indices.resize(all.len(), 0);
+        memory::extend(lines, tree.rows().iter().map(|&row| line(&images[row as usize])))?;
+        memory::resize(indices, all.len(), 0)?;
         // Images have entries in `lines`, too. The index of a wall is that of the wall itself.
         let own = (0..).zip(tree.rows()).filter(|&(_, &row)| (row as usize) < all.len());
         own.for_each(|(index, &row)| indices[row as usize] = index);
-        self.find_covering();
+        segments.fill(lines.iter().zip(tree.rows()).map(|(line, &row)| {
+            let ends = line.ends.map(|end| vector(|k| end[k] + images[row as usize].offset[k]));
+            LineSegment::new(ends, line.least_radius, line.displacement_length)
+        }))?;
+        self.find_covering()?;
+        self.is_stale = false;
         Ok(())
     }
 
@@ -364,9 +373,10 @@ impl Walls {
     }
 
     /// Finds the walls that hide each end, and which of several equal ends acts.
-    fn find_covering(&mut self) {
-        let mut starts = vec![0];
-        let mut covering = Vec::new();
+    fn find_covering(&mut self) -> Result<()> {
+        let mut starts = memory::with_capacity(2 * self.all.len() + 1)?;
+        starts.push(0);
+        let (mut covering, mut done) = (Vec::new(), Ok(()));
         let mut stack = Vec::new();
         let mut shared = Vec::new();
         for index in 0..self.all.len() as u32 {
@@ -387,11 +397,17 @@ impl Walls {
                         // distances are kept, because they depend on the radius, and are compared
                         // in `covering`.
                         let distance = if distance <= rounding { 0.0 } else { distance };
-                        covering.push(Covering { image: Image { wall: other, offset }, distance });
+                        let found = Covering { image: Image { wall: other, offset }, distance };
+                        let added = memory::push(&mut covering, found);
                         // On a torus the ends of one wall may be at the same point.
                         let is_before = other < index || other == index && end == 1;
-                        if is_before && there.ends.contains(&seen) {
-                            shared.push((index, end));
+                        let is_shared = is_before && there.ends.contains(&seen);
+                        let both = added.and_then(|()| match is_shared {
+                            true => memory::push(&mut shared, (index, end)),
+                            false => Ok(()),
+                        });
+                        if both.is_err() {
+                            done = both;
                         }
                     }
                 });
@@ -404,12 +420,14 @@ impl Walls {
                 starts.push(covering.len() as u32);
             }
         }
+        done?;
         (self.starts, self.covering) = (starts, covering);
         // Of several ends at one point the first acts. Otherwise one corner would give several
         // impulses.
         for (index, end) in shared {
             self.lines[self.indices[index as usize] as usize].has_end[end] = false;
         }
+        Ok(())
     }
 
     /// The other walls on which an end lies, for a disc of this radius.
@@ -440,7 +458,8 @@ fn add_images(
     period: &Period<f64>,
     images: &mut Vec<Image>,
     bounds: &mut Vec<[f32; 4]>,
-) {
+) -> Result<()> {
+    let mut done = Ok(());
     for (wall, index) in (0..).zip(0..all.len()) {
         // Discs begin a step on the torus, so the wall is moved there, too.
         let torus_offset = torus_offset(all[index].exact_ends(), period);
@@ -453,10 +472,14 @@ fn add_images(
         // The swept box decides which images are near, because the wall may move towards them.
         let [a, b, c, d] = own.map(f64::from);
         each_image([[a, b], [c, d]], period, |offset| {
-            images.push(Image { wall, offset });
-            bounds.push(moved(own, offset));
+            let image = memory::push(images, Image { wall, offset });
+            let both = image.and_then(|()| memory::push(bounds, moved(own, offset)));
+            if both.is_err() {
+                done = both;
+            }
         });
     }
+    done
 }
 
 /// Whether all coefficients of restitution are 1.

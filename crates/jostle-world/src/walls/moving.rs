@@ -74,7 +74,7 @@ impl Walls {
     pub fn begin_part(&mut self, settings: Settings, dt: f64) -> Result<()> {
         self.any_moves = self.any_moves && self.all.iter().any(Wall::moves);
         // Walls that stand still keep the tree of `Walls::new`.
-        if self.any_moves { self.build(settings, dt) } else { Ok(()) }
+        if self.any_moves || self.is_stale { self.build(settings, dt) } else { Ok(()) }
     }
 
     /// Moves the walls to the end of a part of `dt` seconds.
@@ -102,6 +102,7 @@ impl Walls {
         self.all = all;
         self.any_moves = self.all.iter().any(Wall::moves);
         self.are_elastic = are_elastic(&self.all);
+        self.is_stale = true;
         self.advance(0.0);
     }
 

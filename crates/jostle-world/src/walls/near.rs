@@ -4,7 +4,7 @@ use super::{Walls, less, number_of};
 use crate::trajectory::Vector;
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Method;
-use jostle_base::sorting;
+use jostle_base::{memory, reserve, sorting};
 use jostle_index::columns::Columns;
 use jostle_index::pairs::{self, Filters, JoinScratch, LineSegment};
 use jostle_index::quadtree::Quadtree;
@@ -94,17 +94,19 @@ impl Near {
         // Walls were searched in larger bounds than pairs, so discs may go farther before a new
         // search.
         self.reaches.clear();
-        self.reaches.extend(reaches.iter().map(|most| most + usual));
-        self.free.clear();
-        self.free.extend_from_slice(&self.reaches);
-        self.arrange(walls, bounds, reaches);
-        Ok(())
+        let farther = reaches.iter().map(|most| most + usual);
+        memory::extend(&mut self.reaches, farther)?;
+        memory::assign(&mut self.free, &self.reaches)?;
+        self.arrange(walls, bounds, reaches)
     }
 
     /// Sorts the walls that were found by discs, and computes the displacements up to which these
     /// touch none.
-    fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, reaches: &[f32]) {
+    fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, reaches: &[f32]) -> Result<()> {
         let Self { starts, walls: near, offsets, free, found, sorted, .. } = self;
+        reserve!(bounds.len() + 1; *starts);
+        reserve!(found.len(); *sorted, *near);
+        reserve!(if walls.period().is_none() { 0 } else { found.len() }; *offsets);
         starts.resize(bounds.len() + 1, 0);
         sorted.resize(found.len(), [0; 2]);
         // Counting sort: walls of a disc lie side by side in memory, and its cost is linear.
@@ -128,6 +130,7 @@ impl Near {
             let left = distance - radius * (1.0 + MARGIN) - line.displacement_length;
             free[at] = free[at].min(left as f32);
         }
+        Ok(())
     }
 
     /// Calls `act` with the number and the offset of each wall near a disc.

@@ -2,7 +2,9 @@
 
 use super::bodies::asleep::Sleepers;
 use super::distribution::{Agreed, Agreement, Distribution, Protocol};
-use super::islands::wake::{wake, wake_changed, wake_driven, wake_every_island};
+use super::islands::wake::{
+    cancel_waking, forget_woken, wake, wake_changed, wake_driven, wake_every_island,
+};
 use super::merge::merge_touching;
 use super::touching::known_touches_asleep;
 use super::{World, WorldSettings};
@@ -52,8 +54,8 @@ impl Distribution for Alone {
         Ok(false)
     }
 
-    fn keep_contacts(&mut self, _: &Sleepers, _: &[(u32, Contact)], _rows: &[u32]) -> bool {
-        false
+    fn keep_contacts(&mut self, _: &Sleepers, _: &[(u32, Contact)], _rows: &[u32]) -> Result<bool> {
+        Ok(false)
     }
 }
 
@@ -95,7 +97,9 @@ impl Protocol for Alone {
         Ok((own, refinement))
     }
 
-    fn limit(&self, _: &mut World) {}
+    fn limit(&self, _: &mut World) -> Result<()> {
+        Ok(())
+    }
 
     fn end_part(&self, _: &mut World) {}
 
@@ -122,21 +126,22 @@ impl Protocol for Alone {
     fn give_up(&self, _: &mut World) {}
 
     fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()> {
-        if all {
-            wake_every_island(world);
-        } else {
-            wake(world, touched);
-        }
-        Ok(())
+        if all { wake_every_island(world) } else { wake(world, touched) }
     }
 
     fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()> {
-        wake_driven(world, driven);
-        wake_changed(world, changed);
-        Ok(())
+        // All wake or none.
+        let woken = wake_driven(world, driven).and_then(|()| wake_changed(world, changed));
+        match woken {
+            Ok(()) => forget_woken(world),
+            Err(_) => cancel_waking(world),
+        }
+        woken
     }
 
-    fn recall_contacts(&self, _: &mut World, _islands: &[u32]) {}
+    fn recall_contacts(&self, _: &mut World, _islands: &[u32]) -> Result<()> {
+        Ok(())
+    }
 
     fn drop_contacts(&self, _: &mut World) {}
 
@@ -148,7 +153,7 @@ impl Protocol for Alone {
         Ok(())
     }
 
-    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
+    fn touching_asleep(&self, world: &World) -> Result<Vec<[Id; 2]>> {
         known_touches_asleep(&world.bodies, &world.record)
     }
 }

@@ -18,6 +18,7 @@ use crate::particles::Particles;
 use crate::resting::WallImpulse;
 use crate::walls::{Around, Clock, Near, Wall, Walls, index_of};
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
 
 /// The container, the walls and their impulses.
@@ -58,16 +59,18 @@ impl Boundaries {
     }
 
     /// Begins an attempt at a step, which [`Boundaries::undo`] takes back.
-    pub(crate) fn begin_attempt(&mut self) {
+    pub(crate) fn begin_attempt(&mut self) -> Result<()> {
+        memory::reserve_len(&mut self.pushes, self.impulses.len())?;
         self.walls_before.clear();
         if self.walls.move_any() {
-            self.walls_before.extend_from_slice(self.walls.all());
+            memory::append(&mut self.walls_before, self.walls.all())?;
         }
         std::mem::swap(&mut self.impulses_before, &mut self.impulses);
         self.impulses.clear();
         let pushes = self.impulses_before.iter().filter(|impulse| impulse.pushes[0] > 0.0);
         self.pushes.clear();
         self.pushes.extend(pushes);
+        Ok(())
     }
 
     /// Restores what there was before the attempt.
@@ -107,30 +110,34 @@ impl Boundaries {
 
     /// Keeps what resting contacts have found in a sub-step. The impulses of all sub-steps are reported. The pushes of
     /// the last one alone begin the next step.
-    pub(crate) fn end_resting(&mut self) {
+    pub(crate) fn end_resting(&mut self) -> Result<()> {
         let new =
             self.new_pushes.iter().map(|impulse| WallImpulse { pushes: [0.0; 2], ..*impulse });
-        self.resting.extend(new);
+        memory::extend(&mut self.resting, new)?;
         std::mem::swap(&mut self.new_pushes, &mut self.pushes);
+        Ok(())
     }
 
     /// Adds the impulses of a part: of bounces in the order of time, and of resting contacts.
-    pub(crate) fn collect(&mut self, bounced: &[Bounce], rows: &[u32]) {
+    pub(crate) fn collect(&mut self, bounced: &[Bounce], rows: &[u32]) -> Result<()> {
         let bounced = bounced.iter().filter(|bounce| bounce.pair[1] == WALL);
-        self.impulses.extend(bounced.map(|bounce| WallImpulse {
+        let bounced = bounced.map(|bounce| WallImpulse {
             row: rows[bounce.pair[0] as usize],
             wall: bounce.code,
             impulses: bounce.impulses,
             pushes: [0.0; 2],
-        }));
-        self.impulses.append(&mut self.resting);
+        });
+        memory::extend(&mut self.impulses, bounced)?;
+        memory::append(&mut self.impulses, &self.resting)?;
+        self.resting.clear();
+        Ok(())
     }
 
     /// Adds up the impulses of a step, and the pushes of its last sub-step.
-    pub(crate) fn end_attempt(&mut self) {
+    pub(crate) fn end_attempt(&mut self) -> Result<()> {
         let Self { impulses, pushes, .. } = self;
-        impulses
-            .extend(pushes.iter().map(|impulse| WallImpulse { impulses: [0.0; 2], ..*impulse }));
+        let of_pushes = pushes.iter().map(|impulse| WallImpulse { impulses: [0.0; 2], ..*impulse });
+        memory::extend(impulses, of_pushes)?;
         // Sums depend on the order, so equal numbers decide the rest.
         impulses.sort_unstable_by_key(|impulse| {
             (impulse.row, impulse.wall, impulse.impulses.map(f32::to_bits))
@@ -144,23 +151,23 @@ impl Boundaries {
             is_same
         });
         impulses.retain(|impulse| impulse.impulses[0] > 0.0);
+        Ok(())
     }
 
-    /// Adds impulses of the last step on rows that had none.
-    pub(crate) fn insert(&mut self, new: impl Iterator<Item = WallImpulse>) {
-        self.impulses.extend(new);
-        self.impulses.sort_by_key(|impulse| (impulse.row, impulse.wall));
+    /// Adds impulses of the last step on rows that had none, for which there is memory.
+    pub(crate) fn insert(&mut self, new: &[WallImpulse]) {
+        self.impulses.extend_from_slice(new);
+        self.impulses.sort_unstable_by_key(|impulse| (impulse.row, impulse.wall));
     }
 
     /// Removes the impulses on some rows.
-    pub(crate) fn drop_rows(&mut self, mut rows: Vec<u32>) {
-        rows.sort_unstable();
+    pub(crate) fn drop_rows(&mut self, rows: &[u32]) {
         self.impulses.retain(|impulse| rows.binary_search(&impulse.row).is_err());
     }
 
     /// Copies the impulses on islands that fall asleep to these.
-    pub(crate) fn copy_to(&self, new: &mut Sleepers) {
-        let mut of_rows: Vec<[u32; 2]> = Vec::with_capacity(new.discs.rows.len());
+    pub(crate) fn copy_to(&self, new: &mut Sleepers) -> Result<()> {
+        let mut of_rows: Vec<[u32; 2]> = memory::with_capacity(new.discs.rows.len())?;
         for (number, island) in (0..).zip(&new.islands) {
             let range = island.particles.start as usize..island.particles.end as usize;
             of_rows.extend(new.discs.rows[range].iter().map(|&row| [row, number]));
@@ -170,14 +177,18 @@ impl Boundaries {
             let found = of_rows.binary_search_by_key(&impulse.row, |&[row, _]| row);
             found.ok().map(|at| (of_rows[at][1], *impulse))
         });
-        let mut impulses: Vec<_> = impulses.collect();
-        impulses.sort_by_key(|&(island, _)| island);
+        // A stable order: those of an island stay sorted by rows and walls.
+        let mut all = Vec::new();
+        memory::extend(&mut all, impulses)?;
+        let mut impulses = all;
+        impulses.sort_unstable_by_key(|(island, of)| (*island, of.row, of.wall));
         let mut end = 0;
         for (number, island) in (0..).zip(&mut new.islands) {
             island.wall_impulses = run(&impulses, end, number);
             end = island.wall_impulses.end;
         }
-        new.wall_impulses = impulses.into_iter().map(|(_, impulse)| impulse).collect();
+        new.wall_impulses = memory::collect(impulses.into_iter().map(|(_, impulse)| impulse))?;
+        Ok(())
     }
 
     /// Gives merged particles the impulses on their parts in this step; `heirs` has the new row of each. Their pushes

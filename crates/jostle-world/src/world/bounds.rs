@@ -22,6 +22,7 @@ use crate::particles::Particles;
 use crate::trajectory::{Piece, Vector, dot};
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
 use jostle_base::parallel;
 use jostle_index::geometry::{self, Shape};
 use jostle_index::quadtree::Quadtree;
@@ -61,7 +62,7 @@ pub(crate) fn find_bounds(
     settings: &WorldSettings,
     scratch: &mut StepScratch,
     plan: &Plan,
-) -> bool {
+) -> Result<bool> {
     let Plan { may_rest, threads, horizon: dt, .. } = *plan;
     let StepScratch { reaches, forces, horizon, shapes, .. } = scratch;
     // A collision may make a slow particle faster. So each movable particle gets at least the
@@ -84,12 +85,12 @@ pub(crate) fn find_bounds(
     let longest = if is_merging { f32::INFINITY } else { settings.container.max_reach() };
     let len = particles.len();
     let columns = shapes.columns_mut();
-    columns.centers.clone_from(&particles.positions);
+    memory::assign(columns.centers, &particles.positions)?;
     *columns.half_sizes = None;
-    fill_filters(particles.filters.iter().copied(), columns.filters);
+    fill_filters(particles.filters.iter().copied(), columns.filters)?;
     let radii = columns.radii.rows_mut();
-    radii.resize(len, 0.0);
-    reaches.resize(len, 0.0);
+    memory::resize(radii, len, 0.0)?;
+    memory::resize(reaches, len, 0.0)?;
     // If an own displacement is cut, its particle may leave the bounds without any event. Then
     // the first flight must test where particles get.
     let is_cut = AtomicBool::new(false);
@@ -125,7 +126,7 @@ pub(crate) fn find_bounds(
         let bounds = reaches.iter_mut().zip(radii).zip(first..);
         contain_contacts(particles, &free, bounds);
     });
-    !is_cut.into_inner()
+    Ok(!is_cut.into_inner())
 }
 
 /// Makes bounds contain what contacts are made of: displacements and radii, with the index of each
@@ -259,7 +260,8 @@ impl<'a> StepBounds<'a> {
                 + *reach
                 + rounding(center, self.particles.radii[at], &self.container);
             let times = [0.0, f64::INFINITY];
-            self.grown.circles.push(Circle { index, center, radius, tile, times });
+            let circle = Circle { index, center, radius, tile, times };
+            memory::push(&mut self.grown.circles, circle)?;
         }
         Ok(())
     }
@@ -271,7 +273,10 @@ impl<'a> StepBounds<'a> {
         // A piece may be reported several times in a window. Its bits name it, so one chain is
         // made.
         let key = [f64::from(index), time, x, y, u, v].map(f64::to_bits);
-        if !self.grown.chained.insert(key) {
+        let chained = &mut self.grown.chained;
+        let room = chained.try_reserve(1);
+        room.map_err(|error| memory::no_memory::<[u64; 6]>(&error, chained.len() + 1))?;
+        if !chained.insert(key) {
             return Ok(());
         }
         // Along a parabola the speed is largest at an end.
@@ -306,7 +311,8 @@ impl<'a> StepBounds<'a> {
             let radius = radius + rounding(center, radius, &self.container);
             // A step whose positions overflow is refused when they are stored.
             if center.into_iter().chain([radius]).all(f32::is_finite) {
-                self.grown.circles.push(Circle { index, center, radius, tile, times });
+                let circle = Circle { index, center, radius, tile, times };
+                memory::push(&mut self.grown.circles, circle)?;
             }
         }
         Ok(())
@@ -365,14 +371,14 @@ impl SweptBounds for StepBounds<'_> {
         let Grown { circles, shapes, tree, .. } = &mut *self.grown;
         let columns = shapes.columns_mut();
         columns.centers.clear();
-        columns.centers.extend(circles.iter().map(|circle| circle.center));
+        memory::extend(columns.centers, circles.iter().map(|circle| circle.center))?;
         let radii = columns.radii.rows_mut();
         radii.clear();
-        radii.extend(circles.iter().map(|circle| circle.radius));
+        memory::extend(radii, circles.iter().map(|circle| circle.radius))?;
         let all = self.particles;
         let filtered = if all.filters.is_empty() { &[][..] } else { &circles[..] };
         let filters = filtered.iter().map(|circle| all.filter(circle.index as usize));
-        fill_filters(filters, columns.filters);
+        fill_filters(filters, columns.filters)?;
         // Ties need no order: only the list of candidate pairs depends on this tree.
         tree.rebuild_unchecked(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
         // The stack is taken out, because the search borrows the rest of `self`.
@@ -420,6 +426,7 @@ impl StepBounds<'_> {
                     category,
                     mask,
                 });
+                let mut done = Ok(());
                 let mut add = |other: u32, tile: [i32; 2], lasts: bool| {
                     if other != circle.index {
                         // The tile of the first, and the image in which both overlap, lead to the
@@ -429,7 +436,10 @@ impl StepBounds<'_> {
                         let offset = period.span(tile);
                         let pair = [circle.index, other];
                         // A pair of a circle of a chain is known for this window only.
-                        pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
+                        let near = NearPair { pair, offset, lasts: lasts && circle.is_whole() };
+                        if let Err(error) = memory::push(pairs, near) {
+                            done = Err(error);
+                        }
                     }
                 };
                 let work = each_overlap(present, &of, 0.0, stack, |index| {
@@ -450,6 +460,7 @@ impl StepBounds<'_> {
                         add(other.index, other.tile, other.is_whole());
                     }
                 });
+                done?;
                 pulse.check(work)?;
                 tests += work;
             }

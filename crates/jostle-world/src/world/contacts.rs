@@ -19,7 +19,7 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::Result;
 use jostle_base::interrupt;
-use jostle_base::parallel;
+use jostle_base::{memory, parallel};
 
 /// Relative error of the square of a distance in float32, with a reserve.
 const APART: f32 = 1e-5;
@@ -39,13 +39,13 @@ impl World {
         let threads = plan.threads;
         // What passes through others has neither contacts nor impacts, so its pairs leave the lists
         // first.
-        self.take_pairs_that_pass();
-        let is_mixed = self.find_lossy(plan.is_lossless);
+        self.take_pairs_that_pass()?;
+        let is_mixed = self.find_lossy(plan.is_lossless)?;
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, settings, scratch, ..
         } = self;
         let StepScratch { pairs, events, .. } = scratch;
-        events.take_pairs(particles.len(), pairs, threads);
+        events.take_pairs(particles.len(), pairs, threads)?;
         let StepScratch { contact_pairs, contact_pair_parts, rest_distances, forces, .. } = scratch;
         let to = (&mut *contact_pairs, contact_pair_parts);
         // Which pairs become contacts must follow from the state of the two. Candidate pairs are
@@ -56,23 +56,22 @@ impl World {
             let free = FreeReaches::new(settings, forces, plan.dt);
             rest_distances.clear();
             let all = particles.radii.iter().enumerate();
-            rest_distances.extend(
-                all.map(|(index, &radius)| rest_distance(free.of(particles, index), radius)),
-            );
+            let all = all.map(|(index, &radius)| rest_distance(free.of(particles, index), radius));
+            memory::extend(rest_distances, all)?;
             let rest_distances = &rest_distances[..];
             let is_near = |pair, image| is_near(particles, rest_distances, pair, image);
-            find_pairs(pairs, to, threads, is_near);
+            find_pairs(pairs, to, threads, is_near)?;
             if is_mixed {
                 self.leave_out_elastic()?;
             }
         } else {
-            find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image));
+            find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image))?;
         }
         interrupt::check()?;
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, contacts, ..
         } = self;
-        contacts.colour(&scratch.contact_pairs, particles, threads);
+        contacts.colour(&scratch.contact_pairs, particles, threads)?;
         interrupt::check()?;
         // Ranks solve colour after colour together, with an exchange of ghosts between. So all need
         // the same number of colours and rounds, and the same number of sub-steps.
@@ -91,14 +90,14 @@ impl World {
         let before = scratch.tree.rows();
         let StepScratch { lossy, .. } = &*scratch;
         let materials = Materials { particles, lossy, restitution: settings.restitution };
-        contacts.collect(lists, &materials, before, shape.rounds, threads);
+        contacts.collect(lists, &materials, before, shape.rounds, threads)?;
         scratch.contact_shape = shape;
         Ok(refinement)
     }
 
     /// Finds the particles that lose energy, if some do and others do not; returns whether this is
     /// so.
-    fn find_lossy(&mut self, is_lossless: bool) -> bool {
+    fn find_lossy(&mut self, is_lossless: bool) -> Result<bool> {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. },
             scratch,
@@ -111,16 +110,17 @@ impl World {
         // Contacts of stiff springs are solved as resting ones, also where nothing loses energy.
         let all = settings.restitution < 1.0 || !boundaries.walls.are_elastic();
         if is_lossless || all || scratch.forces.are_springs_stiff {
-            return false;
+            return Ok(false);
         }
-        scratch.lossy.extend((0..particles.len()).map(|index| loses_energy(particles, index)));
+        let all = (0..particles.len()).map(|index| loses_energy(particles, index));
+        memory::extend(&mut scratch.lossy, all)?;
         // An empty list means that there is nothing to distinguish. Other ranks may have elastic
         // particles, so one rank cannot decide this by itself.
         if halo.is_alone() && scratch.lossy.iter().all(|&lossy| lossy) {
             scratch.lossy.clear();
-            return false;
+            return Ok(false);
         }
-        true
+        Ok(true)
     }
 
     /// Leaves out pairs that cannot come to rest, in a world in which some particles lose energy and
@@ -156,7 +156,7 @@ impl World {
 
     /// Moves the pairs that do not push each other to lists of their own: those with sensors, and all
     /// if particles merge.
-    fn take_pairs_that_pass(&mut self) {
+    fn take_pairs_that_pass(&mut self) -> Result<()> {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. },
             scratch: StepScratch { pairs, sensed, candidate_merges, .. },
@@ -164,13 +164,14 @@ impl World {
         } = self;
         if !particles.sensors.is_empty() {
             let is_sensor = |index: u32| particles.is_sensor(index as usize);
-            take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
+            take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b))?;
         }
         candidate_merges.clear();
         if self.settings.on_touch == OnTouch::Merge {
-            merge::list_candidates(pairs, particles, candidate_merges);
+            merge::list_candidates(pairs, particles, candidate_merges)?;
             pairs.clear();
         }
+        Ok(())
     }
 }
 
@@ -185,27 +186,30 @@ fn find_pairs(
     (contact_pairs, scratch): (&mut Lists, &mut Vec<Vec<[u32; 2]>>),
     threads: Option<usize>,
     is_listed: impl Fn([u32; 2], [f32; 2]) -> bool + Sync + Send,
-) {
-    contact_pairs.resize_with(pairs.len(), Default::default);
+) -> Result<()> {
+    memory::resize_default(contact_pairs, pairs.len())?;
     for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(contact_pairs.iter_mut()) {
         *image_of_list = *image;
         // Parts have a fixed size, and are joined in their order: the list is the same for every
         // number of threads.
         let count = pairs.len().div_ceil(FILTERED);
-        scratch.resize_with(scratch.len().max(count), Vec::new);
+        memory::resize_default(scratch, scratch.len().max(count))?;
         let parts = scratch.iter_mut().zip(pairs.chunks(FILTERED));
-        parallel::for_each(threads, parts, |(part, pairs)| {
+        parallel::try_for_each(threads, parts, |(part, pairs)| {
             part.clear();
-            part.extend(pairs.iter().filter(|&&pair| is_listed(pair, *image)));
-        });
+            memory::extend(part, pairs.iter().copied().filter(|&pair| is_listed(pair, *image)))
+        })?;
         list.clear();
-        list.extend(scratch[..count].iter().flatten());
+        for part in &scratch[..count] {
+            memory::append(list, part)?;
+        }
         // Candidates are sorted only where something may rest. The contacts of other worlds need an
         // order that follows from the state, too.
         if !list.is_sorted() {
             list.sort_unstable();
         }
     }
+    Ok(())
 }
 
 /// Whether two particles may come near each other by themselves, the second moved by `image`.
@@ -246,10 +250,12 @@ fn overlap_much(particles: &Particles, pair: [u32; 2], image: [f32; 2]) -> bool 
 }
 
 /// Moves some pairs from lists to others, which are empty.
-fn take(from: &mut Lists, to: &mut Lists, is_taken: impl Fn([u32; 2]) -> bool) {
-    to.extend(from.iter_mut().map(|(image, pairs)| {
-        let taken = pairs.iter().copied().filter(|&pair| is_taken(pair)).collect();
+fn take(from: &mut Lists, to: &mut Lists, is_taken: impl Fn([u32; 2]) -> bool) -> Result<()> {
+    for (image, pairs) in from {
+        let mut taken = Vec::new();
+        memory::extend(&mut taken, pairs.iter().copied().filter(|&pair| is_taken(pair)))?;
         pairs.retain(|&pair| !is_taken(pair));
-        (*image, taken)
-    }));
+        memory::push(to, (*image, taken))?;
+    }
+    Ok(())
 }

@@ -92,7 +92,7 @@ pub(crate) trait Distribution: Halo + Any + Send {
         sleepers: &Sleepers,
         contacts: &[(u32, Contact)],
         rows: &[u32],
-    ) -> bool;
+    ) -> Result<bool>;
 }
 
 /// What the processes do together with the whole world, of which their distribution is a part.
@@ -133,7 +133,7 @@ pub(crate) trait Protocol: Sync {
     ) -> Result<(ContactShape, usize)>;
 
     /// Limits the displacements of own particles to the circles that other processes know.
-    fn limit(&self, world: &mut World);
+    fn limit(&self, world: &mut World) -> Result<()>;
 
     /// Records what happened to shared particles in a part of a step.
     fn end_part(&self, world: &mut World);
@@ -168,7 +168,7 @@ pub(crate) trait Protocol: Sync {
     fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()>;
 
     /// Adds the contacts of islands that wake to those of the last step.
-    fn recall_contacts(&self, world: &mut World, islands: &[u32]);
+    fn recall_contacts(&self, world: &mut World, islands: &[u32]) -> Result<()>;
 
     /// Removes the contacts of islands that no longer sleep.
     fn drop_contacts(&self, world: &mut World);
@@ -180,5 +180,5 @@ pub(crate) trait Protocol: Sync {
     fn keep_pairs(&self, world: &mut World) -> Result<()>;
 
     /// The ids of the pairs of sleeping particles that touch.
-    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]>;
+    fn touching_asleep(&self, world: &World) -> Result<Vec<[Id; 2]>>;
 }

@@ -6,6 +6,7 @@ use crate::forces::{Influences, Role};
 use crate::motion::exact;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::{memory, reserve};
 
 /// The velocities of what motors drive, before a step.
 #[derive(Default)]
@@ -16,21 +17,26 @@ pub(crate) struct Driven {
     walls: Vec<(usize, [f32; 2])>,
 }
 
-/// Gives the particles and walls of motors their velocities in a step of `dt` seconds from a time on; returns
-/// those before.
+/// Sets the velocities of all that motors drive, before a step of `dt` seconds, and notes those before in `before`.
 pub(crate) fn drive(
     influences: &Influences,
     bodies: &mut Bodies,
     boundaries: &mut Boundaries,
-    time: f64,
-    dt: f64,
-) -> Driven {
-    let mut before = Driven::default();
+    (time, dt): (f64, f64),
+    before: &mut Driven,
+) -> Result<()> {
     let period = boundaries.walls.container().period().exact();
     for motor in influences.motors() {
         let drive = motor.drive(time, dt);
-        let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
-        for index in bodies.indices_of(&rows) {
+        let rows = memory::collect(motor.ids.iter().map(|&row| row as u32))?;
+        let indices = bodies.indices_of(&rows)?;
+        // From here on this motor needs no memory.
+        memory::reserve(&mut before.particles, indices.len())?;
+        memory::reserve(&mut before.walls, motor.walls.len())?;
+        if !indices.is_empty() && drive.angular_velocity != 0.0 {
+            reserve!(bodies.awake.rows.len(); bodies.awake.particles.spins);
+        }
+        for index in indices {
             // It may have become movable, and may sleep then.
             if !bodies.is_immovable(index) {
                 continue;
@@ -51,7 +57,7 @@ pub(crate) fn drive(
             boundaries.walls.set_velocity(wall, drive.velocity());
         }
     }
-    before
+    Ok(())
 }
 
 impl Driven {
@@ -76,7 +82,7 @@ impl Driven {
 
 /// Refuses motors of movable particles.
 pub(crate) fn check_motors(influences: &Influences, bodies: &Bodies) -> Result<()> {
-    let indices = bodies.indices();
+    let indices = bodies.indices()?;
     for (index, influence) in influences.list().iter().enumerate() {
         let Role::Motor(motor) = influence.role() else { continue };
         let is_movable = |&&id: &&Id| {

@@ -4,13 +4,17 @@ use std::ops::Range;
 
 use super::World;
 use super::bodies::Bodies;
-use super::bodies::discs::RecentMotion;
+use super::bodies::discs::{Discs, Persistent, RecentMotion};
+use super::bodies::ids::Ids;
 use super::distribution::Distribution;
-use super::islands::wake::{wake_all, wake_changed};
+use super::islands::NONE;
+use super::islands::wake::{forget_woken, wake_all, wake_changed};
+use super::plan::start_threads;
 use crate::particles::{Changes, Effect, Particles};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
+use jostle_base::{memory, reserve};
 use jostle_index::shapes::MAX_ROWS;
 
 impl World {
@@ -26,17 +30,25 @@ impl World {
         if new > MAX_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
-        let ids = self.bodies.ids.add(particles.len())?;
+        // Memory for all particles, also if those that sleep wake.
+        let ids = self.bodies.ids.reserve(particles.len())?;
+        let Discs { particles: awake, rows, persistent } = &mut self.bodies.awake;
+        awake.reserve(&particles, new)?;
+        persistent.reserve(&Persistent::default(), new)?;
+        reserve!(new; *rows);
+        self.external.reserve(new)?;
         // A step tests only particles that move against sleeping ones. So an immovable particle put
         // on a sleeping island would never wake it.
         if !particles.movable.iter().all(|&movable| movable) {
-            wake_all(self);
+            wake_all(self)?;
         }
+        self.bodies.ids.add(ids.clone());
         self.bodies.awake.particles.extend(&particles);
         self.bodies.awake.rows.extend(old as u32..new as u32);
         self.external.resize(new);
         self.bodies.awake.persistent.resize(self.bodies.awake.rows.len());
         self.bodies.forget_indices();
+        start_threads(self);
         Ok(ids)
     }
 
@@ -48,11 +60,13 @@ impl World {
         if rows.is_empty() {
             return Ok(());
         }
-        // Islands wake while rows still have their old meaning.
-        wake_changed(self, &rows);
-        let mut gone = vec![false; self.len()];
+        let mut gone = memory::filled(self.len(), false)?;
         rows.iter().for_each(|&row| gone[row as usize] = true);
-        let shifted = take_out(self, &gone);
+        let removal = Removal::new(self, gone)?;
+        // Islands wake while rows still have their old meaning.
+        wake_changed(self, &rows)?;
+        forget_woken(self);
+        let Removal { gone, shifted, .. } = take_out(self, removal);
         self.influences
             .renumber(|row| (!gone[row as usize]).then(|| Id::from(shifted[row as usize])));
         let ids = &self.bodies.ids;
@@ -62,7 +76,7 @@ impl World {
 
     /// A copy of some particles, in this order. It costs as much as there are ids.
     pub fn read(&self, ids: &[Id]) -> Result<Particles> {
-        Ok(self.bodies.particles_in(&self.bodies.rows_of(ids)?))
+        self.bodies.particles_in(&self.bodies.rows_of(ids)?)
     }
 
     /// Changes some columns of some particles, each given at most once. Refused values change nothing.
@@ -77,14 +91,14 @@ impl World {
 
     /// As [`World::set`], of all particles in the order of adding.
     pub fn set_all(&mut self, changes: &Changes) -> Result<()> {
-        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        let rows = memory::collect(0..self.len() as u32)?;
         set_rows(self, &rows, changes)
     }
 
     /// As [`World::set_all`]; `change` gets a copy of all particles in the order of adding. A particle with
     /// a new position has no residual.
     pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
-        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        let rows = memory::collect(0..self.len() as u32)?;
         self.edit_rows(&rows, change)
     }
 
@@ -94,8 +108,8 @@ impl World {
         rows: &[u32],
         change: impl FnOnce(&mut Particles) -> Result<()>,
     ) -> Result<()> {
-        let before = self.bodies.particles_in(rows);
-        let mut copy = before.clone();
+        let before = self.bodies.particles_in(rows)?;
+        let mut copy = before.copied()?;
         change(&mut copy)?;
         if copy.len() != before.len() {
             let (found, expected) = (copy.len(), before.len());
@@ -109,10 +123,12 @@ impl World {
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
         copy.simplify();
-        wake_edited(self, rows, &before, &copy)?;
-        let (indices, len) = (self.bodies.indices_of(rows), self.bodies.awake.rows.len());
+        let len = self.len();
+        self.bodies.awake.particles.reserve(&copy, len)?;
+        let indices = wake_edited(self, rows, &before, &copy)?;
+        let len = self.bodies.awake.rows.len();
         for (nth, index) in indices.into_iter().enumerate() {
-            // Those that still sleep have not changed; their indices are behind those of all others.
+            // Those that still sleep have not changed.
             if (index as usize) < len {
                 self.bodies.awake.particles.put(len, index as usize, &copy, nth);
             }
@@ -123,24 +139,44 @@ impl World {
 }
 
 /// Removes rows, so that the others move up; returns how many remain before each.
-pub(crate) fn take_out(world: &mut World, gone: &[bool]) -> Vec<u32> {
-    let mut shifted = Vec::with_capacity(world.len());
-    let mut left = 0;
-    for &gone in gone {
-        shifted.push(left);
-        left += u32::from(!gone);
-    }
-    // Columns of awake particles are by index; `gone` and `shifted` are by row.
-    let keep: Vec<bool> = world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]).collect();
-    world.boundaries.renumber(gone, &shifted);
-    world.bodies.keep(&keep);
-    world.contacts.retain(&keep);
-    world.bodies.ids.remove(gone);
+pub(crate) fn take_out(world: &mut World, mut removal: Removal) -> Removal {
+    let Removal { gone, shifted, keep, ids } = &mut removal;
+    keep.extend(world.bodies.awake.rows.iter().map(|&row| !gone[row as usize]));
+    world.boundaries.renumber(gone, shifted);
+    world.bodies.keep(keep);
+    world.contacts.retain(keep);
+    world.bodies.ids = std::mem::take(ids);
     world.external.remove(gone);
-    world.bodies.asleep.renumber(&shifted);
+    world.bodies.asleep.renumber(shifted);
     world.bodies.awake.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
     world.bodies.forget_indices();
-    shifted
+    removal
+}
+
+/// Rows to remove. It has the memory that [`take_out`] needs.
+pub(crate) struct Removal {
+    /// Whether each row is removed.
+    pub(crate) gone: Vec<bool>,
+    /// How many rows remain before each.
+    pub(crate) shifted: Vec<u32>,
+    /// Whether each index of those that are awake stays.
+    keep: Vec<bool>,
+    /// The ids of the rows that remain.
+    ids: Ids,
+}
+
+impl Removal {
+    pub(crate) fn new(world: &mut World, gone: Vec<bool>) -> Result<Self> {
+        let (mut shifted, mut left) = (memory::with_capacity(gone.len())?, 0);
+        for &gone in &gone {
+            shifted.push(left);
+            left += u32::from(!gone);
+        }
+        let keep = memory::with_capacity(gone.len())?;
+        world.contacts.reserve_retain(gone.len())?;
+        let ids = world.bodies.ids.without(&gone)?;
+        Ok(Self { gone, shifted, keep, ids })
+    }
 }
 
 fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
@@ -152,14 +188,18 @@ fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
         kinds.check(|kinds| world.influences.check_kinds(kinds))?;
     }
     // The copies are made only if some part of the world must know what changes.
-    if may_wake(&world.bodies, &*world.halo) {
-        let before = world.bodies.particles_in(rows);
-        let mut after = before.clone();
-        changes.write(&mut after, &(0..rows.len() as u32).collect::<Vec<u32>>());
-        wake_edited(world, rows, &before, &after)?;
-    }
+    let len = world.bodies.len();
+    changes.reserve(&mut world.bodies.awake.particles, len)?;
+    let indices = if may_wake(&world.bodies, &*world.halo) {
+        let before = world.bodies.particles_in(rows)?;
+        let mut after = before.copied()?;
+        changes.reserve(&mut after, rows.len())?;
+        changes.write(&mut after, &memory::collect(0..rows.len() as u32)?);
+        wake_edited(world, rows, &before, &after)?
+    } else {
+        world.bodies.indices_of(rows)?
+    };
     // As above, sleeping particles are left out.
-    let indices = world.bodies.indices_of(rows);
     changes.write(&mut world.bodies.awake.particles, &indices);
     Ok(())
 }
@@ -171,27 +211,37 @@ fn may_wake(bodies: &Bodies, halo: &dyn Distribution) -> bool {
         || !halo.is_alone()
 }
 
-/// Wakes what changes concern, and forgets how the changed particles moved.
+/// Wakes what changes concern, and forgets how the changed particles moved. Returns the index of each row; of those that
+/// sleep, [`NONE`].
 fn wake_edited(
     world: &mut World,
     rows: &[u32],
     before: &Particles,
     after: &Particles,
-) -> Result<()> {
+) -> Result<Vec<u32>> {
+    let mut indices = world.bodies.indices_of(rows)?;
     if !may_wake(&world.bodies, &*world.halo) {
-        return Ok(());
+        return Ok(indices);
     }
-    let (mut driven, mut changed) = (Vec::new(), Vec::new());
+    let [mut driven, mut changed, mut moved] = [(); 3].map(|()| Vec::new());
     for (nth, &row) in rows.iter().enumerate() {
         match Effect::of(before, after, nth) {
             Effect::None => {}
             // A new velocity of an immovable particle concerns only what touches it. A new
             // position may concern islands that nothing here knows of.
-            Effect::Velocity if !before.movable[nth] => driven.push(row),
-            _ => changed.push(row),
+            Effect::Velocity if !before.movable[nth] => memory::push(&mut driven, row)?,
+            _ => {
+                memory::push(&mut changed, row)?;
+                memory::push(&mut moved, indices[nth])?;
+            }
         }
     }
-    for index in world.bodies.indices_of(&changed) {
+    let len = world.bodies.awake.rows.len();
+    let mut by_row = memory::collect(0..rows.len())?;
+    by_row.sort_unstable_by_key(|&nth| rows[nth]);
+    world.halo.protocol().wake_edited(world, &mut driven, &changed)?;
+    // Particles that have woken come after all others.
+    for index in moved.into_iter().filter(|&index| (index as usize) < len) {
         // What was observed of the particle does not hold after the change. It is observed for
         // two whole quarters again before it may sleep.
         let recent = &mut world.bodies.awake.persistent.recent_motions;
@@ -199,5 +249,11 @@ fn wake_edited(
             *recent = RecentMotion::UNKNOWN;
         }
     }
-    world.halo.protocol().wake_edited(world, &mut driven, &changed)
+    indices.iter_mut().filter(|index| **index as usize >= len).for_each(|index| *index = NONE);
+    for (index, row) in (0..).zip(&world.bodies.awake.rows).skip(len) {
+        if let Ok(at) = by_row.binary_search_by_key(row, |&nth| rows[nth]) {
+            indices[by_row[at]] = index;
+        }
+    }
+    Ok(indices)
 }

@@ -10,6 +10,7 @@ use crate::halo::Halo;
 use crate::particles::{Particles, check_vectors};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::memory::{self, copy_option};
 use jostle_base::saved;
 
 /// The external accelerations, by row.
@@ -40,8 +41,8 @@ impl External {
     }
 
     /// Begins an attempt at a step, which [`External::undo`] takes back.
-    pub(crate) fn begin_attempt(&mut self) {
-        self.before.clone_from(&self.accelerations);
+    pub(crate) fn begin_attempt(&mut self) -> Result<()> {
+        copy_option(&mut self.before, self.accelerations.as_deref())
     }
 
     /// Restores what there was before the attempt.
@@ -50,6 +51,11 @@ impl External {
     }
 
     /// Changes the number of rows; new ones have no acceleration.
+    /// Reserves memory for `len` rows.
+    pub(crate) fn reserve(&mut self, len: usize) -> Result<()> {
+        self.accelerations.iter_mut().try_for_each(|all| memory::reserve_len(all, len))
+    }
+
     pub(crate) fn resize(&mut self, len: usize) {
         self.accelerations.iter_mut().for_each(|all| all.resize(len, [0.0; 2]));
     }
@@ -102,15 +108,17 @@ impl External {
         let rows = bodies.rows_of(ids)?;
         check_vectors("forces", newtons)?;
         // Sums are in float64, so that several forces on one particle are rounded once.
-        let mut sums: Vec<[f64; 2]> = self.all().iter().map(|own| own.map(f64::from)).collect();
+        let mut sums: Vec<[f64; 2]> = memory::with_capacity(bodies.len())?;
+        sums.extend(self.all().iter().map(|own| own.map(f64::from)));
         sums.resize(bodies.len(), [0.0; 2]);
-        let masses = bodies.masses();
+        let indices = bodies.indices()?;
         for (&row, force) in rows.iter().zip(newtons) {
             let row = row as usize;
-            let mass = f64::from(masses[row]);
+            let (all, at) = bodies.disc_at(indices[row] as usize);
+            let mass = f64::from(all.masses[at]);
             sums[row] = [0, 1].map(|k| sums[row][k] + f64::from(force[k]) / mass);
         }
-        let sums: Vec<[f32; 2]> = sums.into_iter().map(|sum| sum.map(|a| a as f32)).collect();
+        let sums = memory::collect(sums.into_iter().map(|sum| sum.map(|a| a as f32)))?;
         // Forces in range may add up to an acceleration out of range, for instance of a small mass.
         if let Some(index) =
             rows.iter().position(|&row| check_vectors("forces", &[sums[row as usize]]).is_err())
@@ -171,11 +179,15 @@ fn tell_error<V>(halo: &dyn Distribution, checked: Result<V>) -> Result<V> {
 
 /// Replaces the external accelerations; nothing accelerates immovable particles. Those that are accelerated wake.
 fn replace(world: &mut World, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
-    for (external, movable) in accelerations.iter_mut().zip(world.bodies.movable()) {
-        *external = if movable { *external } else { [0.0; 2] };
+    for (row, index) in world.bodies.rows_and_indices() {
+        if world.bodies.is_immovable(index) {
+            accelerations[row as usize] = [0.0; 2];
+        }
     }
     let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);
-    let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
+    let mut rows: Vec<u32> = Vec::new();
+    let listed = memory::extend(&mut rows, acts.map(|(row, _)| row));
+    tell_error(&*world.halo, listed)?;
     // All ranks must make the same stages of a step, so all have external accelerations or
     // none.
     let acts = world.halo().any(!rows.is_empty())?;

@@ -13,7 +13,7 @@ use crate::world::bodies::discs::Discs;
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
-use jostle_base::parallel;
+use jostle_base::{memory, parallel};
 
 /// Scratch of the forces; unused in a world without them.
 #[derive(Debug, Default)]
@@ -79,7 +79,7 @@ impl World {
             &self.bodies.awake.rows,
             self.bodies.asleep.len(),
             &mut scratch.indices,
-        );
+        )?;
         // The sub-steps are those before refinement, which needs the contacts. If there are more in
         // the end, `apply_forces_in_substep` computes the accelerations again.
         let h = dt / substeps as f32;
@@ -90,13 +90,14 @@ impl World {
             // flight a leapfrog method, which is symplectic and of second order.
             scratch.halfway.clear();
             let wrap = |there| settings.container.period().wrap(there);
-            scratch.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
-            scratch.velocities.clone_from(&particles.velocities);
+            let all = all.map(|(&p, &v)| wrap(halfway(p, v, h)));
+            memory::extend(&mut scratch.halfway, all)?;
+            memory::assign(&mut scratch.velocities, &particles.velocities)?;
             self.accelerate(h)?;
         }
         let Self { influences, bodies, settings, scratch, .. } = &mut *self;
         let scratch = &mut scratch.forces;
-        estimate_springs(influences, &bodies.awake, settings, scratch, (dt, substeps));
+        estimate_springs(influences, &bodies.awake, settings, scratch, (dt, substeps))?;
         let ForceScratch { accelerations, spring_displacements, .. } = &self.scratch.forces;
         let particles = &self.bodies.awake.particles;
         let displacement = |index: usize| {
@@ -130,7 +131,7 @@ impl World {
             &mut scratch.forces;
         let bodies = force_input(particles, halfway, (rows, indices), settings);
         let bodies = ForceInput { velocities, seconds: h, extent, ..bodies };
-        self.influences.accelerate(&bodies, scratch, accelerations);
+        self.influences.accelerate(&bodies, scratch, accelerations)?;
         // External accelerations come after the limits of forces, so the speed limits of a flock do
         // not cut them.
         external.add_to(accelerations, rows);
@@ -146,17 +147,17 @@ fn estimate_springs(
     settings: &WorldSettings,
     scratch: &mut ForceScratch,
     (dt, substeps): (f32, usize),
-) {
+) -> Result<()> {
     let h = f64::from(dt) / substeps as f64;
     let ForceScratch { indices, groups, spring_displacements, sums, are_springs_stiff, .. } =
         scratch;
     let all = awake_springs(influences, indices);
     if all.clone().next().is_none() {
-        return;
+        return Ok(());
     }
     let bodies = force_input(particles, &particles.positions, (rows, indices), settings);
     *are_springs_stiff =
-        forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums);
+        forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums)?;
     let velocities = &particles.velocities;
     forces::springs::estimate_displacements(
         all,
@@ -165,7 +166,7 @@ fn estimate_springs(
         dt,
         groups,
         spring_displacements,
-    );
+    )
 }
 
 /// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds that began at
@@ -224,14 +225,15 @@ pub(crate) fn find_indices(
     rows: &[u32],
     asleep: usize,
     indices: &mut Vec<u32>,
-) {
+) -> Result<()> {
     indices.clear();
     if influences.act_by_rows() {
-        indices.resize(rows.len() + asleep, ASLEEP);
+        memory::resize(indices, rows.len() + asleep, ASLEEP)?;
         for (index, &row) in rows.iter().enumerate() {
             indices[row as usize] = index as u32;
         }
     }
+    Ok(())
 }
 
 /// The particles at some positions, as arguments of the forces, with the row of each index and the

@@ -8,7 +8,7 @@
 use super::bodies::discs::Discs;
 use super::bodies::ids::renumber;
 use super::boundaries::Boundaries;
-use super::edits::take_out;
+use super::edits::{Removal, take_out};
 use super::record::record_pairs;
 use super::search::overlapping;
 use super::settings::{OnTouch, WorldSettings};
@@ -19,6 +19,7 @@ use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_base::parallel;
 use jostle_base::table::Table;
 use jostle_index::shapes::Filter;
@@ -42,22 +43,20 @@ pub(crate) fn list_candidates(
     lists: &[([f32; 2], Vec<[u32; 2]>)],
     all: &Particles,
     candidates: &mut Vec<CandidateMerge>,
-) {
+) -> Result<()> {
     candidates.clear();
     for (image, pairs) in lists {
         for &indices in pairs {
             let [a, b] = indices.map(|index| index as usize);
             if all.movable[a] || all.movable[b] {
                 let radius_sum = all.radii[a] + all.radii[b];
-                candidates.push(CandidateMerge {
-                    indices,
-                    image: *image,
-                    radius_sum,
-                    has_touched: false,
-                });
+                let (image, has_touched) = (*image, false);
+                let candidate = CandidateMerge { indices, image, radius_sum, has_touched };
+                memory::push(candidates, candidate)?;
             }
         }
     }
+    Ok(())
 }
 
 /// Marks the pairs that touched during the sub-step that has just ended.
@@ -98,10 +97,10 @@ pub(crate) fn merge(world: &mut World) -> Result<()> {
     if world.settings.on_touch != OnTouch::Merge {
         return Ok(());
     }
-    let candidates = std::mem::take(&mut world.scratch.candidate_merges);
-    let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
-    let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
-    world.scratch.candidate_merges = candidates;
+    let candidates = world.scratch.candidate_merges.iter();
+    let has_touched = candidates.filter(|candidate| candidate.has_touched);
+    let mut touching: Vec<[u32; 2]> = Vec::new();
+    memory::extend(&mut touching, has_touched.map(|candidate| candidate.indices))?;
     let protocol = world.halo.protocol();
     // A merged particle is larger, and may overlap others that none of its parts has touched.
     // Each iteration merges these. The limit bounds the time of a step; the next step goes on.
@@ -110,7 +109,10 @@ pub(crate) fn merge(world: &mut World) -> Result<()> {
         // Pairs of two ghosts are found by the processes that own these particles.
         touching
             .retain(|pair| pair.iter().any(|&index| world.bodies.awake.rows[index as usize] < own));
-        record_pairs(world, &touching);
+        if world.settings.track_events {
+            let World { record, bodies, halo, .. } = &mut *world;
+            record_pairs(record, bodies, &**halo, touching.iter().copied())?;
+        }
         if !world.halo().any(!touching.is_empty())? || !protocol.merge_islands(world, &touching)? {
             return Ok(());
         }
@@ -131,7 +133,9 @@ fn pairs_to_merge(
     stats.tests += tests;
     let is_sensor = |index: u32| particles.is_sensor(index as usize);
     let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
-    Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
+    let mut found = Vec::new();
+    memory::extend(&mut found, pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)))?;
+    Ok(found)
 }
 
 /// Merges each island of these pairs of indices; returns whether any merged.
@@ -139,18 +143,18 @@ pub(crate) fn merge_touching(world: &mut World, touching: &[[u32; 2]]) -> Result
     // All that touch, also through others, become one particle at once. If pairs merged one
     // after the other, the result would depend on their order.
     let mut groups = DisjointSets::default();
-    groups.reset(world.len());
+    groups.reset(world.len())?;
     touching.iter().for_each(|&[a, b]| groups.join(a, b));
-    let mut members: Vec<[u32; 2]> =
-        touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+    let mut members: Vec<[u32; 2]> = memory::with_capacity(2 * touching.len())?;
+    members.extend(touching.iter().flatten().map(|&index| [groups.root(index), index]));
     // By islands, then by indices: `union` adds in the canonical order.
     members.sort_unstable();
     members.dedup();
     // The new row of each old one, before renumbering: the smallest of its island.
-    let mut heirs: Vec<u32> = (0..world.len() as u32).collect();
+    let mut heirs: Vec<u32> = memory::collect(0..world.len() as u32)?;
     let mut any = false;
     for group in members.chunk_by(|a, b| a[0] == b[0]) {
-        let indices: Vec<usize> = group.iter().map(|&[_, index]| index as usize).collect();
+        let indices = memory::collect(group.iter().map(|&[_, index]| index as usize))?;
         let Some(one) = union(&world.bodies.awake.particles, &indices, &world.settings.container)
         else {
             continue;
@@ -159,6 +163,7 @@ pub(crate) fn merge_touching(world: &mut World, touching: &[[u32; 2]]) -> Result
         let Discs { particles, rows, .. } = &world.bodies.awake;
         world.external.merge(particles, rows, &indices);
         let len = world.bodies.awake.rows.len();
+        world.bodies.awake.particles.reserve(&one, len)?;
         world.bodies.awake.particles.put(len, indices[0], &one, 0);
         let rows = indices.iter().map(|&index| world.bodies.awake.rows[index]);
         let first = rows.clone().fold(u32::MAX, u32::min);
@@ -176,26 +181,30 @@ pub(crate) fn merge_touching(world: &mut World, touching: &[[u32; 2]]) -> Result
 
 /// Removes the rows that became others.
 fn close_up(world: &mut World, heirs: &[u32]) -> Result<()> {
-    let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
+    let gone = memory::collect(heirs.iter().enumerate().map(|(row, &heir)| heir as usize != row))?;
     let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
-    let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| world.bodies.ids.of(row)));
-    let merged = merged.collect();
+    let ids = |row: u32| [row, heirs[row as usize]].map(|row| world.bodies.ids.of(row));
+    let mut merged = Vec::new();
+    memory::extend(&mut merged, rows.map(ids))?;
     // A copy of all ids is needed only by steps in which something merges.
-    world.scratch.before.ids.get_or_insert_with(|| world.bodies.ids.clone());
-    inherit(&mut world.boundaries, &mut world.scratch.exhausted, heirs);
-    let shifted = take_out(world, &gone);
+    if world.scratch.before.ids.is_none() {
+        world.scratch.before.ids = Some(world.bodies.ids.copied()?);
+    }
+    inherit(&mut world.boundaries, &mut world.scratch.exhausted, heirs)?;
+    let removal = Removal::new(world, gone)?;
+    let Removal { gone, shifted, .. } = take_out(world, removal);
     // The step still needs these.
     world.boundaries.renumber_pushes(&gone, &shifted);
     renumber(&mut world.scratch.exhausted, |row| row, (&gone, &shifted));
     world.influences.renumber(|row| Some(Id::from(shifted[heirs[row as usize] as usize])));
-    world.record.add_merged(merged);
+    world.record.add_merged(merged)?;
     world.external.end_if_zero(&*world.halo)
 }
 
 /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
 /// that one was exhausted. Their resting impulses begin with 0.
-fn inherit(boundaries: &mut Boundaries, exhausted: &mut Vec<u32>, heirs: &[u32]) {
-    let mut has_merged = vec![false; heirs.len()];
+fn inherit(boundaries: &mut Boundaries, exhausted: &mut Vec<u32>, heirs: &[u32]) -> Result<()> {
+    let mut has_merged = memory::filled(heirs.len(), false)?;
     for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {
         has_merged[row] = true;
         has_merged[heir as usize] = true;
@@ -204,6 +213,7 @@ fn inherit(boundaries: &mut Boundaries, exhausted: &mut Vec<u32>, heirs: &[u32])
     exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
     exhausted.sort_unstable();
     exhausted.dedup();
+    Ok(())
 }
 
 /// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it

@@ -67,9 +67,11 @@ use islands::Islands;
 use islands::wake::wake_all;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_base::table::Table;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes, fill_filters};
+use plan::start_threads;
 pub use record::{Collisions, Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 pub use sums::StateHash;
@@ -146,7 +148,7 @@ pub struct Stats {
 /// let discs = Particles::new(vec![left, right], vec![[1.0, 0.0], [0.0, 0.0]], vec![1.0; 2], 1.0);
 /// let mut world = World::new(discs, WorldSettings::default())?;
 /// world.step(0.1, 40)?;
-/// assert_eq!(world.bodies().particles().velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
+/// assert_eq!(world.bodies().particles()?.velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
 /// # Ok::<(), jostle_base::Error>(())
 /// ```
 #[derive(Debug, Default)]
@@ -256,20 +258,20 @@ impl World {
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         // All that may be refused comes first, also the walls, whose tree may fail.
         settings.validate()?;
-        settings.container.check_fit(&self.bodies.radii())?;
+        settings.container.check_fit(&self.bodies.radii()?)?;
         self.influences.check_fit(settings.container)?;
         let new_walls = if settings.container == self.settings.container {
             None
         } else {
             self.influences.check_sides(settings.container)?;
-            let walls = self.walls().to_vec();
+            let walls = memory::copy(self.walls())?;
             Some(Walls::new(walls, settings.container, settings.tree)?)
         };
         // The method, the tree and the tracking of events change no result, so nothing wakes for
         // them.
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
-            wake_all(self);
+            wake_all(self)?;
             self.bodies.awake.persistent.recent_motions.clear();
         }
         if let Some(walls) = new_walls {
@@ -284,6 +286,7 @@ impl World {
         }
         self.settings = settings;
         self.boundaries.walls.set_sides(settings.side_restitutions());
+        start_threads(self);
         Ok(())
     }
 
@@ -298,24 +301,30 @@ impl World {
         self.influences.check_walls(walls.len())?;
         let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
-        wake_all(self);
+        wake_all(self)?;
         self.bodies.awake.persistent.recent_motions.clear();
         self.boundaries.replace_walls(walls);
         Ok(())
     }
 
     /// The forces and all else that acts on particles, as given to [`World::set_forces`].
-    pub fn forces(&self) -> Vec<Influence> {
-        let mut influences = self.influences.clone();
+    pub fn forces(&self) -> Result<Vec<Influence>> {
+        let mut influences = Influences::default();
+        influences.copy_from(&self.influences)?;
         influences.renumber(|row| Some(self.bodies.ids.of(row as u32)));
-        influences.list().to_vec()
+        Ok(influences.into_list())
+    }
+
+    /// Whether there are any.
+    pub fn has_forces(&self) -> bool {
+        !self.influences.is_empty()
     }
 
     /// Changes the forces and all else that acts on particles. If they are refused, the old ones stay. All
     /// particles wake.
     pub fn set_forces(&mut self, forces: Vec<Influence>) -> Result<()> {
         let influences = Influences::from(forces);
-        influences.check_kinds(&self.bodies.kinds())?;
+        influences.check_kinds(&self.bodies.kinds()?)?;
         self.set_influences(influences)
     }
 
@@ -327,10 +336,15 @@ impl World {
         if let Some(kinds) = &changes.kinds {
             kinds.check(|kinds| influences.check_kinds(kinds))?;
         }
+        let len = self.len();
+        changes.reserve(&mut self.bodies.awake.particles, len)?;
+        let mut indices = memory::with_capacity(len)?;
         self.set_influences(influences)?;
-        let rows: Vec<u32> = (0..self.len() as u32).collect();
         // All particles are awake, so each index is one of `particles`.
-        let indices = self.bodies.indices_of(&rows);
+        indices.resize(len, 0);
+        for (row, index) in self.bodies.rows_and_indices() {
+            indices[row as usize] = index;
+        }
         changes.write(&mut self.bodies.awake.particles, &indices);
         self.bodies.awake.particles.drop_defaults();
         Ok(())
@@ -343,7 +357,7 @@ impl World {
         influences.check_walls(self.walls().len())?;
         check_motors(&influences, &self.bodies)?;
         influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
-        wake_all(self);
+        wake_all(self)?;
         self.bodies.awake.persistent.recent_motions.clear();
         self.influences = influences;
         Ok(())
@@ -373,10 +387,10 @@ impl World {
     /// A quadtree of the particles as they are now; its rows are those of the particles. It has no period: on a
     /// torus it does not find neighbours across the boundary.
     pub fn quadtree(&self) -> Result<Quadtree<f32>> {
-        let radii = Each::Rows(self.bodies.radii());
-        let mut shapes = Shapes::circles(self.bodies.positions(), radii)?;
+        let radii = Each::Rows(self.bodies.radii()?);
+        let mut shapes = Shapes::circles(self.bodies.positions()?, radii)?;
         if self.bodies.has_filters() {
-            fill_filters(self.bodies.filters().into_iter(), shapes.columns_mut().filters);
+            fill_filters(self.bodies.filters()?.into_iter(), shapes.columns_mut().filters)?;
         }
         Quadtree::new(&shapes, self.settings.tree)
     }

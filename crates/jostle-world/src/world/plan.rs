@@ -164,6 +164,12 @@ fn has_springs(influences: &Influences) -> bool {
     influences.springs().next().is_some()
 }
 
+/// Starts the threads that steps of a world will use, which needs memory.
+pub(crate) fn start_threads(world: &World) {
+    let work = world.bodies.len() * world.substeps();
+    parallel::start(world.settings.tree.threads, work, WORTH_SHARING);
+}
+
 fn worth_waking(may_rest: bool) -> usize {
     if may_rest { WORTH_WAKING_TO_REST } else { WORTH_WAKING }
 }

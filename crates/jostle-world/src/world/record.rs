@@ -3,10 +3,12 @@
 
 use std::cmp::Ordering;
 
-use super::World;
+use super::bodies::Bodies;
+use super::distribution::Distribution;
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::memory::{self, copy_option};
 use jostle_base::plain;
 
 /// Pairs in the list of those that touched before doubles are removed for the first time.
@@ -69,7 +71,12 @@ impl Saved for Record {
     fn put(&self, to: &mut Writer) {
         to.put(self.collisions);
         // The order of `during` is not that of the state.
-        [&self.before, &self.sorted(), &self.at_end].iter().for_each(|list| list.put(to));
+        self.before.put(to);
+        match self.sorted() {
+            Ok(during) => during.put(to),
+            Err(error) => to.fail(error),
+        }
+        self.at_end.put(to);
     }
 
     fn get(from: &mut Reader<'_>) -> Result<Self> {
@@ -102,8 +109,9 @@ impl Record {
 
     /// The pairs that touched at the end of the record before, that touched in a step of this one, and that touch at
     /// its end. Several processes of a distributed world may have the same pair.
-    pub fn touches(&self) -> [Vec<[Id; 2]>; 3] {
-        [self.before.clone(), self.during.clone(), union(&self.at_end, &self.gone)]
+    pub fn touches(&self) -> Result<[Vec<[Id; 2]>; 3]> {
+        let at_end = union(&self.at_end, &self.gone)?;
+        Ok([memory::copy(&self.before)?, memory::copy(&self.during)?, at_end])
     }
 
     /// The old and the new id of particles that became part of others; in a distributed world of those that were
@@ -113,39 +121,42 @@ impl Record {
     }
 
     /// The pairs that began and ceased to touch.
-    pub(crate) fn events(&self) -> TouchEvents {
+    pub(crate) fn events(&self) -> Result<TouchEvents> {
         // With B before, D during and E at the end: entered = (D ∪ E) \ B, stayed = B ∩ E and left
         // = (B ∪ D) \ E. A pair that has touched in between is both in `entered` and in `left`.
-        let during = self.sorted();
-        let touched = union(&self.at_end, &during);
-        TouchEvents {
-            entered: split(&touched, &self.before).0,
-            stayed: split(&self.before, &self.at_end).1,
-            left: split(&union(&self.before, &touched), &self.at_end).0,
-        }
+        let during = self.sorted()?;
+        let touched = union(&self.at_end, &during)?;
+        Ok(TouchEvents {
+            entered: split(&touched, &self.before)?.0,
+            stayed: split(&self.before, &self.at_end)?.1,
+            left: split(&union(&self.before, &touched)?, &self.at_end)?.0,
+        })
     }
 
     /// The pairs that touched in a step, sorted, without doubles.
-    pub(crate) fn sorted(&self) -> Vec<[Id; 2]> {
-        let mut during = self.during.clone();
+    pub(crate) fn sorted(&self) -> Result<Vec<[Id; 2]>> {
+        let mut during = memory::copy(&self.during)?;
         during.sort_unstable();
         during.dedup();
-        during
+        Ok(during)
     }
 
     /// Begins a new record. The pairs at its beginning are those at the end of this one. Until it ends they are those at
     /// its end, too, without the pairs of which a particle is gone.
-    pub(crate) fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) {
+    pub(crate) fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) -> Result<()> {
+        let (before, mut at_end) = (union(&self.at_end, &self.gone)?, memory::copy(&self.at_end)?);
+        at_end.retain(is_there);
         // Of several records without a step, only the last may be as before.
         let old = Self { previous: None, ..std::mem::take(self) };
         *self = Self {
-            before: union(&old.at_end, &old.gone),
-            at_end: old.at_end.iter().copied().filter(is_there).collect(),
+            before,
+            at_end,
             is_open: old.is_open,
             knows_sleepers: old.knows_sleepers,
             previous: Some(Box::new(old)),
             ..Self::default()
         };
+        Ok(())
     }
 
     /// Ends it with the pairs that touch now.
@@ -162,11 +173,12 @@ impl Record {
     }
 
     /// Begins an attempt at a step.
-    pub(crate) fn begin_attempt(&mut self) {
+    pub(crate) fn begin_attempt(&mut self) -> Result<()> {
+        copy_option(&mut self.at_begin.1, self.merged.as_deref())?;
         self.of_step = Collisions::default();
         // A step only appends pairs, so their number is enough to remove them again.
         self.at_begin.0 = self.during.len();
-        self.at_begin.1.clone_from(&self.merged);
+        Ok(())
     }
 
     /// Removes what the attempt has added.
@@ -182,8 +194,11 @@ impl Record {
         self.collisions.walls = self.collisions.walls.saturating_add(walls);
         self.is_open = true;
         // Only a long list is sorted, so that a step costs as much as it adds.
-        if self.during.len() > 2 * self.distinct.max(FEW) {
-            self.during = self.sorted();
+        // Without memory for the copy it stays as it is.
+        if self.during.len() > 2 * self.distinct.max(FEW)
+            && let Ok(sorted) = self.sorted()
+        {
+            self.during = sorted;
             self.distinct = self.during.len();
         }
     }
@@ -203,8 +218,8 @@ impl Record {
     }
 
     /// Adds pairs that touched in the step.
-    pub(crate) fn add_pairs(&mut self, pairs: impl Iterator<Item = [Id; 2]>) {
-        self.during.extend(pairs);
+    pub(crate) fn add_pairs(&mut self, pairs: impl Iterator<Item = [Id; 2]>) -> Result<()> {
+        memory::extend(&mut self.during, pairs)
     }
 
     /// Counts a collision of the step.
@@ -219,8 +234,9 @@ impl Record {
     }
 
     /// Adds that particles merged: the old id and the new one of each, by old ids.
-    pub(crate) fn add_merged(&mut self, new: Vec<[Id; 2]>) {
+    pub(crate) fn add_merged(&mut self, new: Vec<[Id; 2]>) -> Result<()> {
         let all = self.merged.get_or_insert_default();
+        memory::reserve(all, new.len())?;
         // What had become part of a particle that merged now is part of its heir.
         for [_, heir] in &mut *all {
             if let Ok(at) = new.binary_search_by_key(heir, |&[old, _]| old) {
@@ -228,6 +244,7 @@ impl Record {
             }
         }
         all.extend(new);
+        Ok(())
     }
 
     /// Removes what merged particles became if that is removed.
@@ -239,35 +256,38 @@ impl Record {
 }
 
 /// Adds pairs of indices that touched in the step to the record, if events are tracked.
-pub(crate) fn record_pairs(world: &mut World, indices: &[[u32; 2]]) {
-    if !world.settings.track_events {
-        return;
-    }
-    let rows = |indices: &[u32; 2]| indices.map(|index| world.bodies.awake.rows[index as usize]);
-    let pairs =
-        indices.iter().map(rows).filter_map(|rows| world.halo.known_pair(&world.bodies.ids, rows));
-    let pairs: Vec<[Id; 2]> = pairs.collect();
-    world.record.add_pairs(pairs.into_iter());
+pub(crate) fn record_pairs(
+    record: &mut Record,
+    bodies: &Bodies,
+    halo: &dyn Distribution,
+    indices: impl Iterator<Item = [u32; 2]>,
+) -> Result<()> {
+    let rows = |indices: [u32; 2]| indices.map(|index| bodies.awake.rows[index as usize]);
+    record.add_pairs(indices.map(rows).filter_map(|rows| halo.known_pair(&bodies.ids, rows)))
 }
 
 /// The pairs of two sorted lists, without doubles.
-fn union(a: &[[Id; 2]], b: &[[Id; 2]]) -> Vec<[Id; 2]> {
-    let mut all = [a, b].concat();
-    all.sort();
+fn union(a: &[[Id; 2]], b: &[[Id; 2]]) -> Result<Vec<[Id; 2]>> {
+    let mut all = memory::with_capacity(a.len() + b.len())?;
+    all.extend_from_slice(a);
+    all.extend_from_slice(b);
+    all.sort_unstable();
     all.dedup();
-    all
+    Ok(all)
 }
 
 /// The pairs of a sorted list that are not in another, and those that are.
-fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> (Vec<[Id; 2]>, Vec<[Id; 2]>) {
+fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> Result<(Vec<[Id; 2]>, Vec<[Id; 2]>)> {
     // Both lists are sorted, so one pass over them is enough.
-    let mut rest = other;
-    all.iter().partition(|pair| {
+    let (mut rest, mut apart, mut common) = (other, Vec::new(), Vec::new());
+    for pair in all {
         while let Some((first, others)) = rest.split_first()
             && first.cmp(pair) == Ordering::Less
         {
             rest = others;
         }
-        rest.first() != Some(pair)
-    })
+        let is_common = rest.first() == Some(pair);
+        memory::push(if is_common { &mut common } else { &mut apart }, *pair)?;
+    }
+    Ok((apart, common))
 }

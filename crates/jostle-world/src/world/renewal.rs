@@ -17,6 +17,7 @@ use crate::events::{Candidates, NearPair, Start};
 use crate::particles::Particles;
 use crate::trajectory::dot;
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Shapes, fill_filters};
 
@@ -212,12 +213,14 @@ impl Renewed {
         // Trajectories are not wrapped within a step. The centre is moved to the torus for the
         // tree, and the tile keeps how often the particle has travelled around.
         let period = container.period().exact();
-        tiles.extend(now.iter().map(|of| period.turns_of(of.position.map(f64::from))));
+        let turns = now.iter().map(|of| period.turns_of(of.position.map(f64::from)));
+        memory::extend(tiles, turns)?;
         centers.clear();
-        centers.extend(now.iter().zip(&*tiles).map(|(of, &tile)| {
+        let places = now.iter().zip(&*tiles).map(|(of, &tile)| {
             let offset = period.span(tile);
             [0, 1].map(|k| (f64::from(of.position[k]) - offset[k]) as f32)
-        }));
+        });
+        memory::extend(centers, places)?;
         let usual = usual_speed * seconds;
         let fall = distance_of_fall(settings.gravity, seconds);
         let longest = container.max_reach();
@@ -226,14 +229,14 @@ impl Renewed {
             *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
         }
         let columns = shapes.columns_mut();
-        columns.centers.clone_from(centers);
+        memory::assign(columns.centers, centers)?;
         let radii = columns.radii.rows_mut();
         radii.clear();
         let all = now.iter().zip(reaches.iter());
-        radii.extend(
-            all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
-        );
-        fill_filters(particles.filters.iter().copied(), columns.filters);
+        let all =
+            all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container));
+        memory::extend(radii, all)?;
+        fill_filters(particles.filters.iter().copied(), columns.filters)?;
         // Ties need no order: only the list of candidate pairs depends on this tree.
         tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
     }
@@ -262,15 +265,22 @@ impl Renewed {
                 let pair = [a as u32, b as u32];
                 if particles.is_sensor(a) || particles.is_sensor(b) {
                     let offset = period.span(tile);
-                    to.sensed.push(NearPair { pair, offset, lasts: true });
+                    memory::push(&mut to.sensed, NearPair { pair, offset, lasts: true })?;
                     continue;
                 }
                 let number = match last {
                     Some((last, number)) if last == tile => number,
-                    _ => *numbers.entry(tile).or_insert_with(|| to.add(period.span(tile))),
+                    _ => match numbers.get(&tile) {
+                        Some(&known) => known,
+                        None => {
+                            let number = to.add(period.span(tile))?;
+                            numbers.insert(tile, number);
+                            number
+                        }
+                    },
                 };
                 last = Some((tile, number));
-                to.pairs[number].1.push(pair);
+                memory::push(&mut to.pairs[number].1, pair)?;
             }
         }
         Ok(())

@@ -3,18 +3,21 @@
 use super::bodies::discs::Discs;
 use super::force_step::{awake_springs, find_indices};
 use super::{StepScratch, World};
-use jostle_base::parallel;
+use jostle_base::error::Result;
 use jostle_base::table::Table;
+use jostle_base::{parallel, reserve};
 
 /// Reorders all columns into the order of the tree. The first part of a step keeps the old
 /// order for [`undo`](super::undo::undo).
-pub(crate) fn reorder(world: &mut World, threads: Option<usize>) {
+pub(crate) fn reorder(world: &mut World, threads: Option<usize>) -> Result<()> {
     let World { bodies, scratch, contacts, influences, external, settings, .. } = world;
     let StepScratch { tree, before, spare, forces, .. } = scratch;
     let order = tree.rows();
     // The first reordering writes into the spare columns of `before` and exchanges them. So
     // `before` has the old state without a copy. Later parts of the step must not overwrite it.
     let spare = if before.is_reordered { spare } else { &mut before.discs };
+    spare.reserve(&bodies.awake, order.len())?;
+    reserve!(order.len(); scratch.old_reaches, forces.old_accelerations);
     let Discs { particles, rows, persistent } = spare;
     particles.gather(&bodies.awake.particles, order, threads);
     std::mem::swap(particles, &mut bodies.awake.particles);
@@ -30,17 +33,17 @@ pub(crate) fn reorder(world: &mut World, threads: Option<usize>) {
         before.is_reordered = true;
     }
     if influences.is_empty() && !external.act() {
-        return;
+        return Ok(());
     }
     if !forces.accelerations.is_empty() {
         gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
     }
     // Springs name rows, so they are prepared for the new indices.
     let Discs { particles, rows, .. } = &bodies.awake;
-    find_indices(influences, rows, bodies.asleep.len(), &mut forces.indices);
+    find_indices(influences, rows, bodies.asleep.len(), &mut forces.indices)?;
     let all = awake_springs(influences, &forces.indices);
     let inverse_mass = |index: usize| particles.inverse_mass(index);
-    forces.sprung.prepare(all, &forces.indices, settings.container, rows.len(), inverse_mass);
+    forces.sprung.prepare(all, &forces.indices, settings.container, rows.len(), inverse_mass)
 }
 
 /// Reorders a column into its spare and swaps the two.

@@ -6,6 +6,7 @@ use std::iter;
 use super::settings::WorldSettings;
 use crate::particles::Particles;
 use jostle_base::error::{Error, Result};
+use jostle_base::memory;
 use jostle_base::settings::Method;
 use jostle_index::pairs::{self, Filters, JoinScratch, SortScratch};
 use jostle_index::quadtree::Quadtree;
@@ -43,7 +44,7 @@ pub(crate) fn list(
     let (mut count, mut tests) = (0, 0);
     for image in images {
         if lists.len() == count {
-            lists.push(Default::default());
+            memory::push(lists, Default::default())?;
         }
         let (image_of_list, list) = &mut lists[count];
         let (is_within, columns) = (count == 0, tree.columns());
@@ -92,11 +93,11 @@ pub(crate) fn overlapping(
     all: &Particles,
     settings: &WorldSettings,
 ) -> Result<(Vec<Overlap>, u64)> {
-    let centers: Vec<_> =
-        all.positions.iter().map(|&p| settings.container.period().wrap(p)).collect();
-    let radii = Each::Rows(all.radii.clone());
+    let wrap = |&position: &[f32; 2]| settings.container.period().wrap(position);
+    let centers = memory::collect(all.positions.iter().map(wrap))?;
+    let radii = Each::Rows(memory::copy(&all.radii)?);
     let mut shapes = Shapes::circles(centers, radii)?;
-    fill_filters(all.filters.iter().copied(), shapes.columns_mut().filters);
+    fill_filters(all.filters.iter().copied(), shapes.columns_mut().filters)?;
     let mut tree = Quadtree::default();
     tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
     let mut lists = Vec::new();
@@ -110,7 +111,7 @@ pub(crate) fn overlapping(
                 let [from, to] = [a, b].map(|index| shapes.centers()[index]);
                 let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
                 let radius_sum = all.radii[a] + all.radii[b];
-                found.push(Overlap { indices, offset, radius_sum });
+                memory::push(&mut found, Overlap { indices, offset, radius_sum })?;
             }
         }
     }

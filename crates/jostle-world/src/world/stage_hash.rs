@@ -10,13 +10,14 @@ use crate::contacts::Contacts;
 use crate::flow::Kick;
 use crate::motion::{Motions, Spins};
 use jostle_base::bytes::Plain;
+use jostle_base::error::Result;
 use jostle_simd::LANES;
 
 impl World {
     /// A hash of the results of a stage, for a watcher that is called at its end, see
     /// [`World::step_watched`]. The same for every number of threads and every [`Method`](jostle_base::Method).
     #[doc(hidden)]
-    pub fn stage_hash(&self, stage: Stage) -> u64 {
+    pub fn stage_hash(&self, stage: Stage) -> Result<u64> {
         let mut hash = StateHash::begin(self.bodies.awake.rows.len());
         match stage {
             Stage::Forces => {
@@ -50,7 +51,7 @@ impl World {
                 mix_motions(&mut hash, self.bodies.awake.rows.len(), motions, spins);
             }
             Stage::Store => {
-                hash.mix_value(self.state_hash());
+                hash.mix_value(self.state_hash()?);
                 hash.mix_value(self.record.of_step().pairs);
                 hash.mix_value(self.record.of_step().walls);
                 for contact in self.contacts.lasting() {
@@ -60,7 +61,7 @@ impl World {
                 }
             }
         }
-        hash.0
+        Ok(hash.0)
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::bounds::find_bounds;
 use super::displacements::{check_displacements, parts};
-use super::drive::drive;
+use super::drive::{Driven, drive};
 use super::force_step::{apply_andersen, break_springs};
 use super::islands::sleep::fall_asleep;
 use super::islands::wake::{
@@ -75,8 +75,7 @@ impl World {
         let single = dt as f32;
         // Motors drive before the first attempt, because all attempts begin with the same
         // velocities. They are taken back only if the step fails.
-        let Self { influences, bodies, boundaries, time, .. } = self;
-        let driven = drive(influences, bodies, boundaries, *time, f64::from(single));
+        let mut driven = Driven::default();
         let protocol = self.halo.protocol();
         let mut repeat = |world: &mut Self| {
             let mut wakings = 0;
@@ -86,7 +85,7 @@ impl World {
             // doubles the margin of the halo, until every rank has all particles.
             loop {
                 protocol.gather(world, single)?;
-                begin_attempt(world);
+                begin_attempt(world)?;
                 let outcome = world.step_once(single, watch);
                 let outcome = outcome.and_then(|outcome| world.end_attempt(outcome, dt));
                 // An attempt that failed with an error is undone as well.
@@ -107,6 +106,9 @@ impl World {
         let done = protocol.guard(self, &mut |world| {
             // All that follows is within `guard`. So an error of one rank ends the step on all, and
             // none waits for a message that never comes.
+            let World { influences, bodies, boundaries, time, .. } = &mut *world;
+            let seconds = (*time, f64::from(single));
+            drive(influences, bodies, boundaries, seconds, &mut driven)?;
             protocol.begin_step(world);
             check_displacements(world, single)?;
             world.boundaries.walls.check_displacements(f64::from(single))?;
@@ -116,8 +118,7 @@ impl World {
             // Between attempts the islands must stay awake, so waking is taken back only here.
             repeat(world).inspect_err(|_| {
                 protocol.give_up(world);
-                let World { bodies, contacts, boundaries, .. } = world;
-                cancel_waking(bodies, contacts, boundaries);
+                cancel_waking(world);
             })
         });
         if done.is_err() {
@@ -143,10 +144,11 @@ impl World {
         // From here on the attempt counts, unless there is an error.
         let particles = &mut self.bodies.awake.particles;
         apply_andersen(&self.influences, particles, self.time, dt as f32, plan.threads);
-        self.boundaries.end_attempt();
+        self.boundaries.end_attempt()?;
         if self.settings.track_events {
-            let touching = self.contacts.touching().map(|contact| contact.indices);
-            record_pairs(self, &touching.collect::<Vec<_>>());
+            let Self { contacts, record, bodies, halo, .. } = self;
+            let touching = contacts.touching().map(|contact| contact.indices);
+            record_pairs(record, bodies, &**halo, touching)?;
         }
         // Falling asleep is the last that may fail. What comes after it cannot be undone.
         fall_asleep(self, &plan, dt)?;
@@ -173,8 +175,12 @@ impl World {
                 watch(Stage::Forces, self);
             }
             let mut plan = Plan::new(self, dt, substeps);
-            plan.is_bounded &=
-                find_bounds(&self.bodies.awake.particles, &self.settings, &mut self.scratch, &plan);
+            plan.is_bounded &= find_bounds(
+                &self.bodies.awake.particles,
+                &self.settings,
+                &mut self.scratch,
+                &plan,
+            )?;
             watch(Stage::Bounds, self);
             interrupt::check()?;
             build_tree(self)?;
@@ -193,7 +199,7 @@ impl World {
             // have the new indices already. `tree.rows()` has the old index of each new one: by old
             // indices `find_touched_on_all` reads the columns, before this line, and `make_contacts`
             // finds the impulses of the last step.
-            reorder(self, plan.threads);
+            reorder(self, plan.threads)?;
             self.halo.protocol().begin_part(self);
             // Only the contacts show which heavy particles press on light ones.
             let refinement = self.make_contacts(&plan)?;
@@ -204,7 +210,7 @@ impl World {
             watch(Stage::Contacts, self);
             let StepScratch { motions, spins, .. } = &mut self.scratch;
             let particles = &self.bodies.awake.particles;
-            load_motions(particles, self.settings.on_touch, &plan, (motions, spins));
+            load_motions(particles, self.settings.on_touch, &plan, (motions, spins))?;
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);
             // Collisions may have carried particles beyond the bounds that were tested before.
@@ -220,7 +226,7 @@ impl World {
             }
             // The results of the sub-steps are in `motions` so far; from here on they go to the columns.
             self.boundaries.walls.end_part(f64::from(dt));
-            collect_touches(self, plan.threads);
+            collect_touches(self, plan.threads)?;
             store_motions(self, plan.threads)?;
             let indices = &self.scratch.forces.indices;
             break_springs(&mut self.influences, &self.bodies.awake, indices, &self.settings);

@@ -22,15 +22,15 @@ pub(crate) fn load_motions(
     on_touch: OnTouch,
     plan: &Plan,
     (motions, spins): (&mut Motions, &mut Spins),
-) {
-    motions.resize(particles.len(), on_touch == OnTouch::Merge);
+) -> Result<()> {
+    motions.resize(particles.len(), on_touch == OnTouch::Merge)?;
     let motions = &*motions;
     if plan.has_kicks() || !particles.spins.is_empty() {
         parallel::for_rows(plan.threads, particles.len(), |index| {
             motions.set(index as u32, Motion::of(particles, index));
         });
     }
-    spins.fill(&particles.spins);
+    spins.fill(&particles.spins)
 }
 
 /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.

@@ -21,6 +21,7 @@ use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
+use jostle_base::memory;
 
 /// What the sub-steps of a part have in common, beside its plan.
 struct Substeps<'a> {
@@ -47,7 +48,7 @@ impl World {
         // impulses of the one before, and a heavy particle falls less far in it. So the iterations
         // have a fixed number, which depends on nothing far away, and the sub-steps follow from the
         // contacts.
-        let common = self.begin_substeps(plan);
+        let common = self.begin_substeps(plan)?;
         for substep in 0..plan.substeps {
             interrupt::check()?;
             // A ghost may have collided with particles that only its own rank has.
@@ -75,7 +76,7 @@ impl World {
 
     /// Prepares what lasts for all sub-steps: the impulses of resting contacts and of position
     /// correction, and the results of events.
-    fn begin_substeps<'a>(&mut self, plan: &'a Plan) -> Substeps<'a> {
+    fn begin_substeps<'a>(&mut self, plan: &'a Plan) -> Result<Substeps<'a>> {
         let any_sleeps = any_sleeps(&self.bodies, &*self.halo);
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
@@ -85,21 +86,20 @@ impl World {
         if any_sleeps {
             let free = FreeReaches::new(settings, &scratch.forces, plan.dt);
             let all = scratch.reaches.iter().enumerate();
-            scratch
-                .watched_reaches
-                .extend(all.map(|(index, &most)| free.within(particles, index, most)));
+            let all = all.map(|(index, &most)| free.within(particles, index, most));
+            memory::extend(&mut scratch.watched_reaches, all)?;
         }
-        self.halo.protocol().limit(self);
+        self.halo.protocol().limit(self)?;
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, settings, ..
         } = self;
         scratch.grown.begin_part();
         scratch.renewed.begin_part();
-        scratch.events.begin_part(particles.len());
+        scratch.events.begin_part(particles.len())?;
         scratch.wall_temperatures.fill(self.influences.thermal_walls(), self.time);
         self.boundaries.begin_substeps(plan.may_rest);
         let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
-        Substeps { plan, flow, smallest_radius: smallest(&particles.radii) }
+        Ok(Substeps { plan, flow, smallest_radius: smallest(&particles.radii) })
     }
 
     /// Gives ghosts the state that their own processes have computed.
@@ -153,7 +153,7 @@ impl World {
         if !common.plan.has_kicks() {
             return Ok(());
         }
-        kicks.resize(particles.len(), Kick::default());
+        memory::resize(kicks, particles.len(), Kick::default())?;
         forces.kick(kicks, &common.flow);
         // Springs come after the kicks of other forces, with which their parts begin.
         if !forces.sprung.is_empty() && !self.influences.is_empty() {
@@ -173,7 +173,7 @@ impl World {
                             each(pair, image, block.contact_distances[lane]);
                         });
                     }
-                });
+                })?;
             }
             forces.sprung.act(motions, kicks, common.plan.seconds());
             watch(Stage::Forces, self);
@@ -210,8 +210,7 @@ impl World {
             threads: common.plan.threads,
         };
         scratch.resting.support(&scene, &mut self.contacts, new, springs, &mut scratch.kicks)?;
-        self.boundaries.end_resting();
-        Ok(())
+        self.boundaries.end_resting()
     }
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.

@@ -10,6 +10,8 @@ use crate::container::Container;
 use crate::forces::{ForceInput, Influence, Role, Springs};
 use crate::particles::Particles;
 use jostle_base::bytes::Plain;
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 
 impl World {
@@ -41,7 +43,7 @@ impl World {
     /// Energy of all movable particles in the field of gravity, and of all forces that have
     /// a potential: attractors (with poles taken as fixed), springs, gravitation, and forces between
     /// kinds if they are equal and opposite.
-    pub fn potential_energy(&self) -> f64 {
+    pub fn potential_energy(&self) -> Result<f64> {
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let energy = |all: &Particles, at: usize| {
             let p = all.positions[at].map(f64::from);
@@ -52,14 +54,15 @@ impl World {
         let asleep = self.bodies.asleep.indices();
         let asleep = asleep.map(|at| energy(&self.bodies.asleep.sleepers().discs.particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();
-        if self.influences.is_empty() { gravity } else { gravity + energy_in_forces(self) }
+        let in_forces = if self.influences.is_empty() { 0.0 } else { energy_in_forces(self)? };
+        Ok(gravity + in_forces)
     }
 
     /// A 64-bit hash of the particles but their kinds, the same on every platform.
-    pub fn state_hash(&self) -> u64 {
-        let all = self.bodies.particles();
+    pub fn state_hash(&self) -> Result<u64> {
+        let all = self.bodies.particles()?;
         let hash = StateHash::begin(all.len());
-        StateHash::parts(&all).into_iter().fold(hash, |hash, part| hash.and(&all, part)).0
+        Ok(StateHash::parts(&all).into_iter().fold(hash, |hash, part| hash.and(&all, part)).0)
     }
 }
 
@@ -69,26 +72,26 @@ fn movable_indices(all: &Particles) -> impl Iterator<Item = usize> {
 }
 
 /// Energy of the forces that have a potential.
-pub(crate) fn energy_in_forces(world: &World) -> f64 {
+pub(crate) fn energy_in_forces(world: &World) -> Result<f64> {
     let World { bodies: all, settings, influences, halo, .. } = world;
     let Discs { particles, rows, .. } = &all.awake;
     let mut indices = Vec::new();
-    find_indices(influences, rows, all.asleep.len(), &mut indices);
-    let wrap = |&position| settings.container.period().wrap(position);
-    let wrapped: Vec<[f32; 2]> = particles.positions.iter().map(wrap).collect();
+    find_indices(influences, rows, all.asleep.len(), &mut indices)?;
+    let wrap = |&position: &[f32; 2]| settings.container.period().wrap(position);
+    let wrapped = memory::collect(particles.positions.iter().map(wrap))?;
     let bodies = force_input(particles, &wrapped, (rows, &indices), settings);
     let bodies = ForceInput { own_rows: halo.own_rows(), ..bodies };
     let of_influence = |influence: &Influence| match influence.role() {
         Role::Force(force) => force.energy(&bodies),
         Role::Springs(springs) => energy_of_springs(springs, all, &settings.container),
-        Role::Motor(_) | Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => 0.0,
+        Role::Motor(_) | Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => Ok(0.0),
     };
     influences.list().iter().map(of_influence).sum()
 }
 
 /// Energy of springs, also between sleeping particles.
-fn energy_of_springs(springs: &Springs, bodies: &Bodies, container: &Container) -> f64 {
-    let mut positions = vec![[0.0; 2]; bodies.len()];
+fn energy_of_springs(springs: &Springs, bodies: &Bodies, container: &Container) -> Result<f64> {
+    let mut positions = memory::filled(bodies.len(), [0.0; 2])?;
     for (row, index) in bodies.rows_and_indices() {
         let (all, at) = bodies.disc_at(index as usize);
         positions[row as usize] = container.period().wrap(all.positions[at]);

@@ -14,6 +14,7 @@ use crate::resting::WallImpulse;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::interrupt;
+use jostle_base::memory;
 use jostle_index::period::Period;
 
 /// Two particles that touched during the last step.
@@ -66,8 +67,8 @@ pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
 
 /// Collects what touched in a part of a step, and with which impulses, from the results of the
 /// sub-steps.
-pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) {
-    list_exhausted(world);
+pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) -> Result<()> {
+    list_exhausted(world)?;
     let World { bodies, scratch, boundaries, record, halo, settings, contacts, .. } = world;
     let Discs { particles, rows, .. } = &bodies.awake;
     let Events { bounced, sensed, .. } = &mut scratch.events;
@@ -80,31 +81,32 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) {
     {
         record.count(bounce.pair[1] == WALL);
     }
-    boundaries.collect(bounced, rows);
+    boundaries.collect(bounced, rows)?;
     sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
     sensed.sort_unstable();
     sensed.dedup();
     if settings.on_touch == OnTouch::Bounce {
         let period = settings.container.period().exact();
-        update_contacts(contacts, particles, &scratch.motions, &period, (bounced, sensed), threads);
+        update_contacts(contacts, particles, &scratch.motions, &period, (bounced, sensed), threads)
+    } else if settings.track_events {
+        record_pairs(record, bodies, &**halo, sensed.iter().copied())
     } else {
-        let sensed = std::mem::take(sensed);
-        record_pairs(world, &sensed);
-        world.scratch.events.sensed = sensed;
+        Ok(())
     }
 }
 
 /// Lists the rows that were exhausted, and counts those whose collisions became elastic.
-fn list_exhausted(world: &mut World) {
+fn list_exhausted(world: &mut World) -> Result<()> {
     let World { bodies, scratch: StepScratch { exhausted, events, .. }, stats, halo, .. } = world;
     let rows = &bodies.awake.rows;
-    exhausted.extend(events.exhausted.iter().map(|&index| rows[index as usize]));
+    memory::extend(exhausted, events.exhausted.iter().map(|&index| rows[index as usize]))?;
     exhausted.sort_unstable();
     exhausted.dedup();
     stats.unresolved = exhausted.len() as u64;
     let is_own = |index: u32| rows[index as usize] < halo.own_rows();
     let collapsed = events.collapsed.iter().filter(|&&index| is_own(index));
     stats.collapsed += collapsed.count() as u64;
+    Ok(())
 }
 
 /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
@@ -116,7 +118,7 @@ fn update_contacts(
     period: &Period<f64>,
     (bounced, sensed): (&[Bounce], &[[u32; 2]]),
     threads: Option<usize>,
-) {
+) -> Result<()> {
     let bounced = bounced.iter().filter(|bounce| bounce.pair[1] != WALL);
     let bounced = bounced.map(|bounce| (bounce.pair, bounce.impulses));
     let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
@@ -133,8 +135,9 @@ fn update_contacts(
         }
         (pair, image, impulses)
     });
-    contacts.keep_lasting(touched, particles, particles.len());
+    contacts.keep_lasting(touched, particles, particles.len())?;
     contacts.each(threads, |contact| contact.measure(motions, &particles.radii));
+    Ok(())
 }
 
 /// The overlapping pairs by id, as callers see them.
@@ -151,8 +154,7 @@ fn overlaps(bodies: &Bodies, settings: &WorldSettings) -> Result<Vec<Touch>> {
         let depth = radius_sum - length;
         Touch { pair, normal, depth, normal_impulse, friction_impulse }
     };
-    let mut touches: Vec<Touch> =
-        overlapping(particles, settings)?.0.into_iter().map(touch).collect();
+    let mut touches = memory::collect(overlapping(particles, settings)?.0.into_iter().map(touch))?;
     interrupt::check()?;
     touches.sort_unstable_by_key(|touch| touch.pair);
     interrupt::check()?;
@@ -174,13 +176,16 @@ impl World {
             .touching()
             .map(|contact| touch_of(contact, contact.indices.map(of_index)));
         let asleep = self.bodies.asleep.contacts().filter(|contact| contact.touched);
-        Ok(awake.chain(asleep.map(|contact| touch_of(contact, contact.indices.map(id)))).collect())
+        let mut all = Vec::new();
+        memory::extend(&mut all, awake)?;
+        memory::extend(&mut all, asleep.map(|contact| touch_of(contact, contact.indices.map(id))))?;
+        Ok(all)
     }
 
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as
     /// in the last step in which they were awake.
-    pub fn wall_contacts(&self) -> Vec<WallTouch> {
-        let indices = self.bodies.indices();
+    pub fn wall_contacts(&self) -> Result<Vec<WallTouch>> {
+        let indices = self.bodies.indices()?;
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
             // One that is only kept for warm starting, in a world of particles of other ones.
             if impulses[0] <= 0.0 {
@@ -198,8 +203,10 @@ impl World {
             Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };
         let all = self.boundaries.impulses.iter().chain(self.bodies.asleep.wall_impulses());
-        let mut all: Vec<WallTouch> = all.filter_map(touch).collect();
-        all.sort_by_key(|touch| (touch.id, touch.wall));
-        all
+        let mut found: Vec<WallTouch> = Vec::new();
+        memory::extend(&mut found, all.filter_map(touch))?;
+        // Of each particle and wall there is one.
+        found.sort_unstable_by_key(|touch| (touch.id, touch.wall));
+        Ok(found)
     }
 }

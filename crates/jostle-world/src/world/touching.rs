@@ -15,6 +15,7 @@ use crate::particles::Particles;
 use crate::tolerance::{COARSE, Tolerance, gap, size_of};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Shapes, fill_filters};
 
@@ -35,10 +36,10 @@ impl World {
 
     /// Begins a new record, which contains no collisions and no merged particles. The pairs that touch at its
     /// beginning are those at the end of the record before. If its first step fails, the record is as before.
-    pub fn begin_record(&mut self) {
+    pub fn begin_record(&mut self) -> Result<()> {
         // In a distributed world, pairs of removed particles are apart.
         let (ids, is_whole) = (&self.bodies.ids, self.halo.is_whole());
-        self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()));
+        self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()))
     }
 
     /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be
@@ -53,8 +54,8 @@ impl World {
 
     /// The pairs that began and ceased to touch between the beginning and the end of the record;
     /// None if events are not tracked.
-    pub fn events(&self) -> Option<TouchEvents> {
-        self.settings.track_events.then(|| self.record.events())
+    pub fn events(&self) -> Result<Option<TouchEvents>> {
+        self.settings.track_events.then(|| self.record.events()).transpose()
     }
 }
 
@@ -69,23 +70,27 @@ pub(crate) fn touching(world: &mut World) -> Result<Vec<[Id; 2]>> {
     let awake = awake.map(|contact| contact.indices.map(|index| bodies.awake.rows[index as usize]));
     let asleep = bodies.asleep.contacts().filter(is_pressed).map(|contact| contact.indices);
     let rows = rows.into_iter().chain(awake).chain(asleep);
-    let mut all: Vec<[Id; 2]> =
-        rows.filter_map(|rows| halo.known_pair(&bodies.ids, rows)).collect();
-    all.extend(world.halo.protocol().touching_asleep(world));
+    let mut all = Vec::new();
+    memory::extend(&mut all, rows.filter_map(|rows| halo.known_pair(&bodies.ids, rows)))?;
+    memory::append(&mut all, &world.halo.protocol().touching_asleep(world)?)?;
     all.sort_unstable();
     all.dedup();
     Ok(all)
 }
 
 /// The pairs of sleeping particles that touched when they were recorded.
-pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Vec<[Id; 2]> {
+pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Result<Vec<[Id; 2]>> {
+    let mut all = Vec::new();
     if !record.knows_sleepers || bodies.asleep.is_empty() {
-        return Vec::new();
+        return Ok(all);
     }
-    let asleep = bodies.asleep();
+    let mut asleep = memory::filled(bodies.len(), false)?;
+    bodies.asleep.rows().for_each(|row| asleep[row as usize] = true);
     let sleeps = |&id: &Id| bodies.ids.row(id).is_some_and(|row| asleep[row as usize]);
     let known = record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
-    known.filter(|pair| pair.iter().all(|&id| bodies.contains(id))).copied().collect()
+    let known = known.filter(|pair| pair.iter().all(|&id| bodies.contains(id)));
+    memory::extend(&mut all, known.copied())?;
+    Ok(all)
 }
 
 /// The pairs of rows with a small gap. Sleeping ones are left out if their pairs are known.
@@ -96,11 +101,16 @@ fn find_touching(
     scratch: &mut Scratch,
 ) -> Result<Vec<[u32; 2]>> {
     if !is_asleep_known && !bodies.asleep.is_empty() {
-        return Ok(find_touching_of(&bodies.particles(), settings, scratch)?.collect());
+        let all = bodies.particles()?;
+        let mut found = Vec::new();
+        memory::extend(&mut found, find_touching_of(&all, settings, scratch)?)?;
+        return Ok(found);
     }
     let Discs { particles, rows, .. } = &bodies.awake;
     let pairs = find_touching_of(particles, settings, scratch)?;
-    Ok(pairs.map(|pair| pair.map(|index| rows[index as usize])).collect())
+    let mut found = Vec::new();
+    memory::extend(&mut found, pairs.map(|pair| pair.map(|index| rows[index as usize])))?;
+    Ok(found)
 }
 
 /// The pairs of indices of some particles with a small gap.
@@ -113,15 +123,17 @@ pub(crate) fn find_touching_of<'a>(
     let Scratch { shapes, tree, listing, lists } = scratch;
     let columns = shapes.columns_mut();
     columns.centers.clear();
-    columns.centers.extend(all.positions.iter().map(|&position| container.period().wrap(position)));
+    let places = all.positions.iter().map(|&position| container.period().wrap(position));
+    memory::extend(columns.centers, places)?;
     let radii = columns.radii.rows_mut();
     radii.clear();
     // The circles contain every gap that may count as touching: that is at most `COARSE` of the
     // size.
-    radii.extend(all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
+    let larger = all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
         radius * (1.0 + 2.0 * COARSE as f32) + 2.0 * rounding(position, radius, &container)
-    }));
-    fill_filters(all.filters.iter().copied(), columns.filters);
+    });
+    memory::extend(radii, larger)?;
+    fill_filters(all.filters.iter().copied(), columns.filters)?;
     tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
     search::list(tree, settings, false, listing, lists)?;
     let touch = move |[a, b]: [u32; 2]| {

@@ -7,6 +7,8 @@ use crate::contacts::Contacts;
 use crate::forces::Influences;
 use crate::motion;
 use crate::particles::Particles;
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.
@@ -24,8 +26,8 @@ pub(crate) struct Before {
     pub(crate) ids: Option<Ids>,
 }
 
-/// Begins an attempt at a step, which [`undo`] takes back.
-pub(crate) fn begin_attempt(world: &mut World) {
+/// Begins an attempt at a step, which [`undo`] takes back. If there is no memory, nothing changes.
+pub(crate) fn begin_attempt(world: &mut World) -> Result<()> {
     // Without `..`, so that the compiler asks for each new field. `reorder` writes new columns and contacts beside the
     // old ones, and a merger keeps the ids, so these need no copy. Only what a step changes in place is copied here.
     #[rustfmt::skip]
@@ -34,27 +36,31 @@ pub(crate) fn begin_attempt(world: &mut World) {
         time: _, attachment: _, halo: _, islands: _,
     } = world;
     let before = &mut scratch.before;
-    before.is_reordered = false;
-    before.influences.clone_from(influences);
-    external.begin_attempt();
-    boundaries.begin_attempt();
-    before.stats = *stats;
-    record.begin_attempt();
-    before.ids = None;
+    before.influences.copy_from(influences)?;
+    external.begin_attempt()?;
+    record.begin_attempt()?;
     // Callers may set positions outside of the torus. Undo must restore their bits.
     let period = settings.container.period();
     let Particles { positions, residuals, .. } = &mut bodies.awake.particles;
     let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
     let is_any_outside = !period.is_none() && positions.iter().any(outside);
-    before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
+    before.unwrapped = match is_any_outside {
+        true => Some([memory::copy(positions)?, memory::copy(residuals)?]),
+        false => None,
+    };
+    boundaries.begin_attempt()?;
+    before.is_reordered = false;
+    before.stats = *stats;
+    before.ids = None;
     if is_any_outside {
         for (position, residual) in positions.iter_mut().zip(residuals) {
             (*position, *residual) = motion::wrapped(*position, *residual, &period);
         }
     }
+    Ok(())
 }
 
-/// Restores the state before the attempt. It does not undo:
+/// Restores the state before the attempt, and allocates nothing. It does not undo:
 ///
 /// - what motors did to velocities and which islands woke: all attempts begin with that, and only a step that fails
 ///   takes it back;

@@ -117,5 +117,5 @@ pub fn run_for(world: &mut World, dt: f64, steps: usize) {
 
 /// The world of its own snapshot.
 pub fn restored(world: &World) -> World {
-    World::restore(&world.snapshot()).expect("its own snapshot can be restored")
+    World::restore(&world.snapshot().unwrap()).expect("its own snapshot can be restored")
 }

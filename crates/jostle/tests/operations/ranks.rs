@@ -133,7 +133,7 @@ impl RanksCase {
     }
 
     fn remove(&mut self, draw: &mut Draw) {
-        let ids = draw.subset(&self.whole.bodies().ids(), 4);
+        let ids = draw.subset(&self.whole.bodies().ids().unwrap(), 4);
         draw.say("remove", &ids);
         self.whole.remove(&ids).expect("they are there");
         let answers = self.all_ranks(move |_, world| {
@@ -145,7 +145,7 @@ impl RanksCase {
     }
 
     fn set(&mut self, draw: &mut Draw) {
-        let ids = draw.subset(&self.whole.bodies().ids(), 5);
+        let ids = draw.subset(&self.whole.bodies().ids().unwrap(), 5);
         let (which, new) =
             (draw.below(4), ids.iter().map(|_| draw_particle(draw)).collect::<Vec<_>>());
         draw.say("set", (&ids, which, &new));
@@ -168,7 +168,7 @@ impl RanksCase {
         let all: Vec<usize> = (0..ids.len()).collect();
         self.whole.set(&ids, &changes(&all)).expect("valid");
         let answers = self.all_ranks(move |_, world| {
-            let own = ranks::own_ids(world).0;
+            let own = ranks::own_ids(world).unwrap().0;
             let here = |id: &Id| own.iter().position(|other| other == id);
             let rows: Vec<usize> =
                 (0..ids.len()).filter(|&row| here(&ids[row]).is_some()).collect();
@@ -188,7 +188,7 @@ impl RanksCase {
         self.each(move |world| {
             ranks::drop_ghosts(world);
             let of = |id: Id| if id % 3 == 0 { [by, 1.0] } else { [0.0; 2] };
-            let all = ranks::own_ids(world).0.into_iter().map(of).collect();
+            let all = ranks::own_ids(world).unwrap().0.into_iter().map(of).collect();
             world.set_accelerations(all)
         });
     }
@@ -258,7 +258,7 @@ impl RanksCase {
 
     /// All parts together have the particles of the whole.
     fn compare(&self) {
-        let parts = self.all_ranks(|_, world| Ok(ranks::own_records(world)));
+        let parts = self.all_ranks(|_, world| Ok(ranks::own_records(world).unwrap()));
         let mut found: Vec<(Id, Particles)> = Vec::new();
         for bytes in parts {
             let (own, ids) = read_records(&bytes.expect("they are read"));
@@ -273,8 +273,8 @@ impl RanksCase {
         let mut all = Particles::default();
         found.iter().for_each(|(_, one)| all.extend(one));
         all.simplify();
-        assert!(found.iter().map(|of| of.0).eq(self.whole.bodies().ids()));
-        assert_eq!(all, self.whole.bodies().particles());
+        assert!(found.iter().map(|of| of.0).eq(self.whole.bodies().ids().unwrap()));
+        assert_eq!(all, self.whole.bodies().particles().unwrap());
     }
 }
 

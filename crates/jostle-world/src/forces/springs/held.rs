@@ -22,6 +22,8 @@ use crate::motion::{Motions, Vectors, exact};
 use crate::particles::Particles;
 use crate::walls::{self, Around};
 use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// Iterations of the method of conjugate gradients in each turn of the springs at most.
 const ITERATIONS: usize = 24;
@@ -88,6 +90,8 @@ struct End {
 struct Tie {
     /// The system to which it belongs: the first of its particles.
     system: u32,
+    /// Its place in the list before the systems are sorted.
+    at: u32,
     ends: [u32; 2],
     /// Where its impulse is kept; None for springs.
     place: Option<Place>,
@@ -212,7 +216,7 @@ impl SpringSolver {
         &mut self,
         of: &Surroundings<'_>,
         each_pair: impl FnOnce(&mut dyn FnMut([u32; 2], [f32; 2], f32)),
-    ) {
+    ) -> Result<()> {
         let h = of.flow.seconds;
         let Self { bodies, nodes, held, .. } = self;
         // What is held is decided anew in each sub-step: a body in free flight keeps the energy of
@@ -220,10 +224,10 @@ impl SpringSolver {
         bodies.iter_mut().for_each(|body| body.is_held = false);
         held.any = false;
         if !bodies.iter().any(|body| body.is_stiff(h)) {
-            return;
+            return Ok(());
         }
         held.body_of.clear();
-        held.body_of.resize(of.particles.len(), NONE);
+        memory::resize(&mut held.body_of, of.particles.len(), NONE)?;
         for (number, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.is_stiff(h)) {
             // An immovable particle may be an end of springs of several bodies, and belongs to
             // none.
@@ -246,6 +250,7 @@ impl SpringSolver {
             }
         });
         held.any = bodies.iter().any(|body| body.is_held);
+        Ok(())
     }
 
     /// Begins a sub-step: directions and stretches of the springs of held bodies. Calls `pull` with
@@ -257,14 +262,16 @@ impl SpringSolver {
         motions: &Motions,
         movable: &[bool],
         mut pull: impl FnMut(u32, [f64; 2]),
-    ) {
+    ) -> Result<()> {
         let Self { bodies, links, nodes, container, held, .. } = self;
         let Scratch { ends, end_of, ties, .. } = held;
         ends.clear();
         ties.clear();
         end_of.clear();
-        end_of.resize(movable.len(), NONE);
+        memory::resize(end_of, movable.len(), NONE)?;
         for body in bodies.iter().filter(|body| body.is_held) {
+            memory::reserve(ends, body.nodes.len())?;
+            memory::reserve(ties, body.links.len())?;
             for node in &mut nodes[body.nodes.clone()] {
                 let motion = motions.get(node.index);
                 node.position = exact(motion.position, motion.residual);
@@ -305,12 +312,16 @@ impl SpringSolver {
                 *change = [0.0; 2];
             }
         }
+        Ok(())
     }
 
     /// Adds the resting contacts of the particles of held bodies, and finds the systems. `pushes`
     /// are the places of contacts, their particles and one over the masses of these; a contact with
     /// a wall has one particle twice.
-    pub fn add_pushes(&mut self, pushes: impl Iterator<Item = (Place, [u32; 2], [f32; 2])>) {
+    pub fn add_pushes(
+        &mut self,
+        pushes: impl Iterator<Item = (Place, [u32; 2], [f32; 2])>,
+    ) -> Result<()> {
         let Scratch { ends, end_of, ties, groups, systems, .. } = &mut self.held;
         // Ends from here on belong to contacts only.
         let springs = ends.len() as u32;
@@ -320,10 +331,12 @@ impl SpringSolver {
             if pair.iter().all(|&index| end_of[index as usize] >= springs) {
                 continue;
             }
+            memory::reserve(ends, 2)?;
             let of = |k: usize| end(ends, end_of, pair[k], f64::from(masses[k]));
-            ties.push(Tie { ends: [0, 1].map(of), place: Some(place), ..Tie::default() });
+            let tie = Tie { ends: [0, 1].map(of), place: Some(place), ..Tie::default() };
+            memory::push(ties, tie)?;
         }
-        groups.reset(ends.len());
+        groups.reset(ends.len())?;
         // An immovable particle transmits nothing, so it joins no systems.
         let moves = |end: u32| ends[end as usize].inverse_mass > 0.0;
         for &Tie { ends: [a, b], .. } in &*ties {
@@ -335,14 +348,18 @@ impl SpringSolver {
             let [a, b] = tie.ends;
             tie.system = groups.root(if moves(a) { a } else { b });
         }
-        // The sort is stable, so the order within a system follows from the state.
-        ties.sort_by_key(|tie| tie.system);
+        // Stable, so that the order within a system follows from the state.
+        for (tie, at) in ties.iter_mut().zip(0..) {
+            tie.at = at;
+        }
+        ties.sort_unstable_by_key(|tie| (tie.system, tie.at));
         systems.clear();
         let mut start = 0;
         for run in ties.chunk_by(|a, b| a.system == b.system) {
-            systems.push(start..start + run.len());
+            memory::push(systems, start..start + run.len())?;
             start += run.len();
         }
+        Ok(())
     }
 
     /// The places of the contacts that are solved together with springs.

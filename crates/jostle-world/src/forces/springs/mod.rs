@@ -26,6 +26,7 @@ use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::{memory, reserve};
 
 /// Maximum number of parts of a sub-step.
 const MAX_PARTS: f64 = 32.0;
@@ -118,16 +119,16 @@ impl Springs {
     }
 
     /// Potential energy: the sum of ½ · stiffness · stretch². Positions are those of all rows.
-    pub fn energy(&self, positions: &[[f32; 2]], container: &Container) -> f64 {
+    pub fn energy(&self, positions: &[[f32; 2]], container: &Container) -> Result<f64> {
         let energy = |spring: &Spring| {
             let ends = spring.pair.map(|row| positions[row as usize]);
             let stretch = distance(ends, container) - f64::from(spring.length);
             0.5 * f64::from(spring.stiffness) * stretch * stretch
         };
-        let mut all: Vec<f64> = self.0.iter().map(energy).collect();
+        let mut all = memory::collect(self.0.iter().map(energy))?;
         // The sum must not depend on the order of the springs.
         all.sort_unstable_by(f64::total_cmp);
-        all.iter().sum()
+        Ok(all.iter().sum())
     }
 
     /// Removes springs whose stretch exceeds their maximum.
@@ -163,10 +164,10 @@ pub fn estimate_displacements<'a>(
     dt: f32,
     islands: &mut DisjointSets,
     displacements: &mut Vec<f32>,
-) {
-    islands.reset(bodies.positions.len());
+) -> Result<()> {
+    islands.reset(bodies.positions.len())?;
     displacements.clear();
-    displacements.resize(bodies.positions.len(), 0.0);
+    memory::resize(displacements, bodies.positions.len(), 0.0)?;
     for spring in springs.clone() {
         let [a, b] = spring.pair.map(|row| bodies.indices[row as usize]);
         islands.join(a, b);
@@ -191,6 +192,7 @@ pub fn estimate_displacements<'a>(
     for index in springs.flat_map(indices) {
         displacements[index] = displacements[islands.root(index as u32) as usize];
     }
+    Ok(())
 }
 
 /// The springs of a world in one step, in an order that depends only on the state.
@@ -268,9 +270,9 @@ pub fn are_stiff<'a>(
     movable: &[bool],
     h: f64,
     sums: &mut Vec<[f64; 2]>,
-) -> bool {
+) -> Result<bool> {
     sums.clear();
-    sums.resize(bodies.positions.len(), [0.0; 2]);
+    memory::resize(sums, bodies.positions.len(), [0.0; 2])?;
     for spring in springs {
         for index in spring.pair.map(|row| bodies.indices[row as usize] as usize) {
             let mass = f64::from(bodies.masses[index]);
@@ -278,7 +280,7 @@ pub fn are_stiff<'a>(
             sums[index] = [0, 1].map(|k| sums[index][k] + own[k]);
         }
     }
-    sums.iter().zip(movable).any(|(&sums, &movable)| movable && is_stiff(sums, h))
+    Ok(sums.iter().zip(movable).any(|(&sums, &movable)| movable && is_stiff(sums, h)))
 }
 
 impl SpringSolver {
@@ -295,13 +297,13 @@ impl SpringSolver {
         container: Container,
         len: usize,
         inverse_mass: impl Fn(usize) -> f32,
-    ) {
+    ) -> Result<()> {
         self.container = container;
         self.held.any = false;
         let inverse_mass = |index: u32| f64::from(inverse_mass(index as usize));
-        self.list_links(springs, indices, len, &inverse_mass);
-        self.list_nodes(&inverse_mass);
-        self.list_bodies();
+        self.list_links(springs, indices, len, &inverse_mass)?;
+        self.list_nodes(&inverse_mass)?;
+        self.list_bodies()
     }
 
     /// Lists the springs that act on anything, in the order of their bodies. Their nodes are
@@ -312,10 +314,10 @@ impl SpringSolver {
         indices: &[u32],
         len: usize,
         inverse_mass: &impl Fn(u32) -> f64,
-    ) {
+    ) -> Result<()> {
         let Self { links, sets, .. } = self;
         links.clear();
-        links.extend(springs.map(|spring| {
+        let all = springs.map(|spring| {
             let [a, b] = spring.pair.map(|row| indices[row as usize]);
             Link {
                 body: 0,
@@ -324,10 +326,11 @@ impl SpringSolver {
                 stiffness: f64::from(spring.stiffness),
                 damping: f64::from(spring.damping),
             }
-        }));
+        });
+        memory::extend(links, all)?;
         // A spring between two immovable particles does nothing.
         links.retain(|link| link.nodes.iter().any(|&index| inverse_mass(index) > 0.0));
-        sets.reset(len);
+        sets.reset(len)?;
         // An immovable particle transmits nothing, so it does not join bodies: each has its own
         // parts.
         for Link { nodes: [a, b], .. } in &*links {
@@ -348,12 +351,14 @@ impl SpringSolver {
             let by_numbers = by_numbers.unwrap_or(std::cmp::Ordering::Equal);
             (a.body, a.nodes).cmp(&(b.body, b.nodes)).then(by_numbers)
         });
+        Ok(())
     }
 
     /// Lists the ends of the springs of each body, and gives springs the numbers of their nodes.
-    fn list_nodes(&mut self, inverse_mass: &impl Fn(u32) -> f64) {
+    fn list_nodes(&mut self, inverse_mass: &impl Fn(u32) -> f64) -> Result<()> {
         let Self { links, nodes, .. } = self;
         nodes.clear();
+        reserve!(2 * links.len(); *nodes);
         // An immovable particle is a node of each body that it holds.
         let ends = links.iter().flat_map(|link| link.nodes.map(|index| (link.body, index)));
         nodes.extend(ends.map(|(body, index)| Node {
@@ -377,10 +382,11 @@ impl SpringSolver {
                 node.damping += link.damping * node.inverse_mass;
             }
         }
+        Ok(())
     }
 
     /// Lists the bodies: nodes and springs that follow each other.
-    fn list_bodies(&mut self) {
+    fn list_bodies(&mut self) -> Result<()> {
         let Self { bodies, links, nodes, .. } = self;
         bodies.clear();
         let (mut node, mut link) = (0, 0);
@@ -388,14 +394,16 @@ impl SpringSolver {
         let runs = nodes.chunk_by(|a, b| a.body == b.body);
         for (own, own_links) in runs.zip(links.chunk_by(|a, b| a.body == b.body)) {
             let most = |of: fn(&Node) -> f64| own.iter().map(of).fold(0.0, f64::max);
-            bodies.push(Body {
+            let body = Body {
                 nodes: node..node + own.len(),
                 links: link..link + own_links.len(),
                 most: [most(|node| node.stiffness), most(|node| node.damping)],
                 is_held: false,
-            });
+            };
+            memory::push(bodies, body)?;
             (node, link) = (node + own.len(), link + own_links.len());
         }
+        Ok(())
     }
 
     /// Adds the effect of the springs in a sub-step of `step` seconds to the kicks: particles move

@@ -18,6 +18,7 @@ use crate::world::settings::WorldSettings;
 use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_base::saved;
 use jostle_base::settings::{Method, Settings};
 use jostle_base::table::Table;
@@ -58,13 +59,23 @@ impl Sleepers {
     }
 
     /// Replaces the contacts by those of each island, which are sorted by islands.
-    pub(crate) fn set_contacts(&mut self, of_islands: Vec<(u32, Contact)>) {
+    pub(crate) fn set_contacts(&mut self, of_islands: Vec<(u32, Contact)>) -> Result<()> {
         let mut end = 0;
         for (number, island) in (0..).zip(&mut self.islands) {
             island.contacts = run(&of_islands, end, number);
             end = island.contacts.end;
         }
-        self.contacts = of_islands.into_iter().map(|(_, contact)| contact).collect();
+        self.contacts = memory::collect(of_islands.into_iter().map(|(_, contact)| contact))?;
+        Ok(())
+    }
+
+    /// Reserves memory for those of `other` in addition.
+    fn reserve(&mut self, other: &Self) -> Result<()> {
+        let len = self.len() + other.len();
+        self.discs.reserve(&other.discs, len)?;
+        memory::reserve(&mut self.contacts, other.contacts.len())?;
+        memory::reserve(&mut self.wall_impulses, other.wall_impulses.len())?;
+        memory::reserve(&mut self.islands, other.islands.len())
     }
 
     /// Appends islands.
@@ -85,23 +96,25 @@ impl Sleepers {
     }
 
     /// A copy of some islands.
-    fn select(&self, islands: impl Iterator<Item = u32>) -> Self {
+    fn select(&self, islands: impl Iterator<Item = u32>) -> Result<Self> {
         let mut copy = Self::default();
         let mut order = Vec::new();
         let range = |range: &Range<u32>| range.start as usize..range.end as usize;
         for island in islands.map(|number| &self.islands[number as usize]) {
             let starts = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
-            order.extend(island.particles.clone());
-            copy.contacts.extend_from_slice(&self.contacts[range(&island.contacts)]);
-            copy.wall_impulses.extend_from_slice(&self.wall_impulses[range(&island.wall_impulses)]);
+            memory::extend(&mut order, island.particles.clone())?;
+            memory::append(&mut copy.contacts, &self.contacts[range(&island.contacts)])?;
+            let impulses = &self.wall_impulses[range(&island.wall_impulses)];
+            memory::append(&mut copy.wall_impulses, impulses)?;
             let ends = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
             let [particles, contacts, wall_impulses] =
                 [0, 1, 2].map(|k| starts[k] as u32..ends[k] as u32);
-            copy.islands.push(Island { particles, contacts, wall_impulses, name: island.name });
+            let island = Island { particles, contacts, wall_impulses, name: island.name };
+            memory::push(&mut copy.islands, island)?;
         }
-        copy.discs.gather(&self.discs, &order, Some(1));
+        copy.discs = self.discs.gathered(&order)?;
         copy.discs.drop_defaults();
-        copy
+        Ok(copy)
     }
 }
 
@@ -137,7 +150,10 @@ pub(crate) struct Asleep {
 
 impl Saved for Asleep {
     fn put(&self, to: &mut Writer) {
-        self.copy().put(to);
+        match self.copy() {
+            Ok(copy) => copy.put(to),
+            Err(error) => to.fail(error),
+        }
     }
     /// Only the columns; [`Asleep::rebuilt`] has the rest.
     fn get(from: &mut Reader<'_>) -> Result<Self> {
@@ -199,7 +215,7 @@ impl Asleep {
     }
 
     /// A copy of the sleeping islands.
-    pub(crate) fn copy(&self) -> Sleepers {
+    pub(crate) fn copy(&self) -> Result<Sleepers> {
         self.sleepers.select(self.islands())
     }
 
@@ -218,17 +234,25 @@ impl Asleep {
         }
         let (old, added) = (&self.sleepers.discs.particles, &new.discs.particles);
         let Particles { positions, radii, .. } = old;
-        let centers = [&positions[first..], &added.positions].concat();
-        let radii = Each::Rows([&radii[first..], &added.radii].concat());
+        let mut centers = memory::with_capacity(end - first)?;
+        centers.extend_from_slice(&positions[first..]);
+        centers.extend_from_slice(&added.positions);
+        let mut all_radii = memory::with_capacity(end - first)?;
+        all_radii.extend_from_slice(&radii[first..]);
+        all_radii.extend_from_slice(&added.radii);
+        let radii = Each::Rows(all_radii);
         let mut shapes = Shapes::circles(centers, radii)?;
         if !old.filters.is_empty() || !added.filters.is_empty() {
             let filter = |at: usize| match at.checked_sub(old.len()) {
                 None => old.filter(at),
                 Some(at) => added.filter(at),
             };
-            fill_filters((first..end).map(filter), shapes.columns_mut().filters);
+            fill_filters((first..end).map(filter), shapes.columns_mut().filters)?;
         }
         let tree = Quadtree::new(&shapes, settings)?;
+        self.sleepers.reserve(new)?;
+        memory::reserve(&mut self.island_of, new.len())?;
+        memory::reserve(&mut self.is_awake, new.islands.len())?;
         // Shapes and tree may fail, so nothing has changed before this line.
         self.layers.truncate(kept);
         self.layers.push(Layer { first, tree });
@@ -274,8 +298,7 @@ impl Asleep {
                 let found = match found {
                     Err(Error::TooManyPairs { .. }) => {
                         islands.clear();
-                        islands.extend(self.islands());
-                        return Ok(());
+                        return memory::extend(islands, self.islands());
                     }
                     other => other?,
                 };
@@ -296,7 +319,7 @@ impl Asleep {
                 let new =
                     new.map(|pair| self.island_of[first + tree.rows()[pair[1] as usize] as usize]);
                 // Islands that are awake stay in the layers until they are removed.
-                islands.extend(new.filter(|&island| !self.is_awake[island as usize]));
+                memory::extend(islands, new.filter(|&island| !self.is_awake[island as usize]))?;
                 join.keep(found.pairs);
             }
         }
@@ -306,7 +329,7 @@ impl Asleep {
     }
 
     /// The islands that touch one of some rows, which are sorted; ascending.
-    pub(crate) fn islands_touching(&self, rows: &[u32]) -> Vec<u32> {
+    pub(crate) fn islands_touching(&self, rows: &[u32]) -> Result<Vec<u32>> {
         let touches = |&island: &u32| {
             let Range { start, end } = self.sleepers.islands[island as usize].contacts.clone();
             let contacts = &self.sleepers.contacts[start as usize..end as usize];
@@ -315,7 +338,9 @@ impl Asleep {
                 .flat_map(|contact| contact.indices)
                 .any(|row| rows.binary_search(&row).is_ok())
         };
-        self.islands().filter(touches).collect()
+        let mut islands = Vec::new();
+        memory::extend(&mut islands, self.islands().filter(touches))?;
+        Ok(islands)
     }
 
     /// The names of some islands.
@@ -324,51 +349,62 @@ impl Asleep {
     }
 
     /// The sleeping islands with some names, which are sorted; ascending.
-    pub(crate) fn named(&self, names: &[Id]) -> Vec<u32> {
+    pub(crate) fn named(&self, names: &[Id]) -> Result<Vec<u32>> {
         let name = |island: u32| self.sleepers.islands[island as usize].name;
-        self.islands().filter(|&island| names.binary_search(&name(island)).is_ok()).collect()
+        let is_named = |&island: &u32| names.binary_search(&name(island)).is_ok();
+        let mut islands = Vec::new();
+        memory::extend(&mut islands, self.islands().filter(is_named))?;
+        Ok(islands)
     }
 
     /// The islands of the particles with some indices, ascending.
-    pub(crate) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Vec<u32> {
-        let mut islands: Vec<u32> = indices.map(|at| self.island_of[at]).collect();
+    pub(crate) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Result<Vec<u32>> {
+        let mut islands = Vec::new();
+        memory::extend(&mut islands, indices.map(|at| self.island_of[at]))?;
         islands.sort_unstable();
         islands.dedup();
-        islands
+        Ok(islands)
+    }
+
+    /// Copies of some islands.
+    pub(crate) fn select(&self, islands: impl Iterator<Item = u32>) -> Result<Sleepers> {
+        self.sleepers.select(islands)
+    }
+
+    /// Reserves memory for [`Asleep::wake`] of so many islands.
+    pub(crate) fn reserve_waking(&mut self, count: usize) -> Result<()> {
+        memory::reserve(&mut self.woken, count)
     }
 
     /// Wakes islands and returns a copy of them.
-    pub(crate) fn wake(&mut self, islands: &[u32]) -> Sleepers {
+    pub(crate) fn wake(&mut self, islands: &[u32]) {
         // Nothing is removed: if the step fails, `cancel_waking` only takes back the marks.
-        self.mark(islands, true);
+        self.mark(islands.iter().copied(), true);
         self.woken.extend_from_slice(islands);
-        self.sleepers.select(islands.iter().copied())
     }
 
     /// The rows of the islands that have been woken, sorted.
-    pub(crate) fn woken_rows(&self) -> Vec<u32> {
+    pub(crate) fn woken_rows(&self) -> impl Iterator<Item = u32> {
         let islands = self.woken.iter().map(|&island| &self.sleepers.islands[island as usize]);
         let indices = islands.flat_map(|island| island.particles.clone());
-        let mut rows: Vec<u32> = indices.map(|at| self.sleepers.discs.rows[at as usize]).collect();
-        rows.sort_unstable();
-        rows
+        indices.map(|at| self.sleepers.discs.rows[at as usize])
     }
 
     /// Removes the last islands again, of which there are so many, because the step is undone.
     pub(crate) fn withdraw(&mut self, count: usize) {
         let end = self.is_awake.len() as u32;
         // The last islands are those that the step has appended.
-        self.mark(&(end - count as u32..end).collect::<Vec<u32>>(), true);
+        self.mark(end - count as u32..end, true);
     }
 
     /// Puts the islands that have been woken to sleep again.
     pub(crate) fn cancel_waking(&mut self) {
         let woken = std::mem::take(&mut self.woken);
-        self.mark(&woken, false);
+        self.mark(woken.into_iter(), false);
     }
 
-    fn mark(&mut self, islands: &[u32], is_awake: bool) {
-        for &island in islands {
+    fn mark(&mut self, islands: impl Iterator<Item = u32>, is_awake: bool) {
+        for island in islands {
             let count = self.sleepers.islands[island as usize].particles.len();
             self.is_awake[island as usize] = is_awake;
             self.awake = if is_awake { self.awake + count } else { self.awake - count };
@@ -387,7 +423,8 @@ impl Asleep {
         let settings =
             self.layers.first().map_or(Settings::default(), |layer| layer.tree.settings());
         // If the tree cannot be built, they are removed later.
-        if self.is_empty() || rest.append(&self.copy(), settings).is_ok() {
+        let append = |rest: &mut Self| rest.append(&self.copy()?, settings);
+        if self.is_empty() || append(&mut rest).is_ok() {
             *self = rest;
         }
     }

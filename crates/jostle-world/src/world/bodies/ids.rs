@@ -75,26 +75,40 @@ impl Ids {
         }
     }
 
-    /// Gives ids to so many new rows.
-    pub(crate) fn add(&mut self, count: usize) -> Result<Range<Id>> {
+    /// The ids that so many new rows will get, with memory for them.
+    pub(crate) fn reserve(&mut self, count: usize) -> Result<Range<Id>> {
         let first = self.next;
         // An id is never given again, so that a caller's old id cannot name a new particle.
         let Some(end) = first.checked_add(count as Id) else {
             return Err(Error::of("positions", count, "there are no ids left for new particles"));
         };
         if let Some(all) = &mut self.listed {
-            all.extend(first..end);
+            memory::reserve(all, count)?;
         }
-        self.next = end;
         Ok(first..end)
     }
 
+    /// Gives ids to new rows, those of [`Ids::reserve`].
+    pub(crate) fn add(&mut self, new: Range<Id>) {
+        self.next = new.end;
+        if let Some(all) = &mut self.listed {
+            all.extend(new);
+        }
+    }
+
+    /// A copy.
+    pub(crate) fn copied(&self) -> Result<Self> {
+        let listed = self.listed.as_deref().map(memory::copy).transpose()?;
+        Ok(Self { listed, next: self.next })
+    }
+
     /// Removes rows.
-    pub(crate) fn remove(&mut self, gone: &[bool]) {
-        // From here on ids have gaps, and need a list.
-        let next = self.next;
-        let all = self.listed.get_or_insert_with(|| (0..next).collect());
-        retain_unless(all, gone);
+    pub(crate) fn without(&self, gone: &[bool]) -> Result<Self> {
+        // Ids have gaps then, and need a list.
+        let stay = (0..).zip(gone).filter(|(_, gone)| !**gone).map(|(row, _)| self.of(row));
+        let mut listed = memory::with_capacity(gone.len())?;
+        listed.extend(stay);
+        Ok(Self { listed: Some(listed), next: self.next })
     }
 
     /// What is wrong with an id that no particle has.
@@ -110,11 +124,8 @@ impl Ids {
 
 impl Bodies {
     /// The id of each row, ascending. An id is never given twice.
-    pub fn ids(&self) -> Vec<Id> {
-        match self.ids.parts() {
-            (None, next) => (0..next).collect(),
-            (Some(all), _) => all.to_vec(),
-        }
+    pub fn ids(&self) -> Result<Vec<Id>> {
+        memory::collect((0..self.len() as u32).map(|row| self.ids.of(row)))
     }
 
     /// Whether a particle has this id.
@@ -125,7 +136,7 @@ impl Bodies {
     /// The rows of some ids. Refuses ids that no particle has.
     pub fn rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
         let row = |(index, &id)| self.ids.row(id).ok_or_else(|| self.ids.refuse(index, id));
-        ids.iter().enumerate().map(row).collect()
+        memory::try_collect(ids.iter().enumerate().map(row))
     }
 
     /// The rows of some ids. Refuses ids that no particle has, and ids given twice.
@@ -134,10 +145,10 @@ impl Bodies {
         if rows.is_sorted_by(|a, b| a < b) {
             return Ok(rows);
         }
-        let mut sorted: Vec<_> = rows.iter().zip(0..).collect();
+        let mut sorted = memory::collect(rows.iter().zip(0..rows.len()))?;
         sorted.sort_unstable();
         let twice = sorted.windows(2).filter(|two| two[0].0 == two[1].0);
-        match twice.map(|two: &[(&u32, usize)]| two[1].1).min() {
+        match twice.map(|two| two[1].1).min() {
             Some(index) => Err(Error::at("ids", index, ids[index], "it is given twice")),
             None => Ok(rows),
         }
@@ -151,7 +162,9 @@ impl Bodies {
         }
         let mut new = memory::with_capacity(len)?;
         new.resize(len, None);
-        self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
+        (0..self.len() as u32).map(|row| self.ids.of(row)).for_each(|id| {
+            new[id as usize] = Some(id);
+        });
         merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));
         Ok(new)
     }
@@ -196,10 +209,10 @@ mod tests {
     #[test]
     fn ids_run_out_and_never_repeat() {
         let mut ids = Ids::read(Some(vec![4]), 1, Id::MAX - 2).unwrap();
-        assert_eq!(ids.add(2), Ok(Id::MAX - 2..Id::MAX));
-        let before = ids.clone();
-        assert!(ids.add(1).unwrap_err().to_string().contains("no ids left"));
-        assert_eq!((ids.add(0), &ids), (Ok(Id::MAX..Id::MAX), &before));
+        assert_eq!(ids.reserve(2), Ok(Id::MAX - 2..Id::MAX));
+        ids.add(Id::MAX - 2..Id::MAX);
+        assert!(ids.reserve(1).unwrap_err().to_string().contains("no ids left"));
+        assert_eq!(ids.reserve(0), Ok(Id::MAX..Id::MAX));
         assert_eq!([4, Id::MAX - 1, Id::MAX].map(|id| ids.row(id)), [Some(0), Some(2), None]);
     }
 }

@@ -17,6 +17,8 @@ use asleep::Asleep;
 pub use defaults::Defaults;
 use discs::Discs;
 use ids::Ids;
+use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::saved;
 use jostle_base::table::{Table, dense};
 use jostle_index::shapes::Filter;
@@ -49,88 +51,89 @@ impl Bodies {
     }
 
     /// A copy of all particles in the order of adding.
-    pub fn particles(&self) -> Particles {
-        self.particles_at(self.indices())
+    pub fn particles(&self) -> Result<Particles> {
+        self.particles_at(self.indices()?)
     }
 
     /// A copy of the particles in some rows, in this order.
-    pub(crate) fn particles_in(&self, rows: &[u32]) -> Particles {
-        self.particles_at(&self.indices_of(rows))
+    pub(crate) fn particles_in(&self, rows: &[u32]) -> Result<Particles> {
+        self.particles_at(&self.indices_of(rows)?)
     }
 
     /// A copy of the particles at some indices, in this order.
-    fn particles_at(&self, indices: &[u32]) -> Particles {
-        let mut copy = Particles::default();
+    fn particles_at(&self, indices: &[u32]) -> Result<Particles> {
         if self.asleep.is_empty() {
-            copy.gather(&self.awake.particles, indices, Some(1));
-            return copy;
+            return self.awake.particles.gathered(indices);
         }
+        let mut copy = Particles::default();
+        copy.reserve(&self.awake.particles, indices.len())?;
+        copy.reserve(&self.asleep.sleepers().discs.particles, indices.len())?;
         copy.resize(indices.len());
         for (row, &index) in indices.iter().enumerate() {
             let (all, at) = self.disc_at(index as usize);
             copy.put(indices.len(), row, all, at);
         }
         copy.drop_defaults();
-        copy
+        Ok(copy)
     }
 
     /// Centres in the order of adding.
-    pub fn positions(&self) -> Vec<[f32; 2]> {
+    pub fn positions(&self) -> Result<Vec<[f32; 2]>> {
         self.column(|all, at| all.positions[at])
     }
 
     /// Velocities in the order of adding.
-    pub fn velocities(&self) -> Vec<[f32; 2]> {
+    pub fn velocities(&self) -> Result<Vec<[f32; 2]>> {
         self.column(|all, at| all.velocities[at])
     }
 
     /// Radii in the order of adding.
-    pub fn radii(&self) -> Vec<f32> {
+    pub fn radii(&self) -> Result<Vec<f32>> {
         self.column(|all, at| all.radii[at])
     }
 
     /// Masses in the order of adding.
-    pub fn masses(&self) -> Vec<f32> {
+    pub fn masses(&self) -> Result<Vec<f32>> {
         self.column(|all, at| all.masses[at])
     }
 
     /// Restitutions in the order of adding.
-    pub fn restitutions(&self) -> Vec<f32> {
+    pub fn restitutions(&self) -> Result<Vec<f32>> {
         self.column(|all, at| all.restitutions[at])
     }
 
     /// Whether each particle can be moved, in the order of adding.
-    pub fn movable(&self) -> Vec<bool> {
+    pub fn movable(&self) -> Result<Vec<bool>> {
         self.column(|all, at| all.movable[at])
     }
 
     /// Coefficients of friction in the order of adding.
-    pub fn friction(&self) -> Vec<f32> {
+    pub fn friction(&self) -> Result<Vec<f32>> {
         self.spins(|spin| spin.friction)
     }
 
     /// Angles in radians, −π to π without π, in the order of adding.
-    pub fn angles(&self) -> Vec<f32> {
+    pub fn angles(&self) -> Result<Vec<f32>> {
         self.spins(|spin| spin.rounded_angle())
     }
 
     /// Angular velocities in the order of adding.
-    pub fn angular_velocities(&self) -> Vec<f32> {
+    pub fn angular_velocities(&self) -> Result<Vec<f32>> {
         self.spins(|spin| spin.velocity)
     }
 
     /// Categories and masks in the order of adding.
-    pub fn filters(&self) -> Vec<Filter> {
+    pub fn filters(&self) -> Result<Vec<Filter>> {
         self.column(|all, at| all.filter(at))
     }
 
     /// Whether each particle is a sensor, in the order of adding.
-    pub fn sensors(&self) -> Vec<bool> {
+    pub fn sensors(&self) -> Result<Vec<bool>> {
         self.column(|all, at| all.is_sensor(at))
     }
 
     /// Kinds in the order of adding.
-    pub fn kinds(&self) -> Vec<u8> {
+    pub fn kinds(&self) -> Result<Vec<u8>> {
         self.column(|all, at| all.kind(at))
     }
 
@@ -141,18 +144,18 @@ impl Bodies {
     }
 
     /// Whether each particle is asleep, in the order of adding.
-    pub fn asleep(&self) -> Vec<bool> {
-        let mut asleep = vec![false; self.len()];
+    pub fn asleep(&self) -> Result<Vec<bool>> {
+        let mut asleep = memory::filled(self.len(), false)?;
         self.asleep.rows().for_each(|row| asleep[row as usize] = true);
-        asleep
+        Ok(asleep)
     }
 
-    fn spins(&self, of: impl Fn(Spin) -> f32) -> Vec<f32> {
+    fn spins(&self, of: impl Fn(Spin) -> f32) -> Result<Vec<f32>> {
         self.column(|all, at| of(all.spin(at)))
     }
 
-    fn column<V: Copy + Default>(&self, value: impl Fn(&Particles, usize) -> V) -> Vec<V> {
-        let mut column = vec![V::default(); self.len()];
+    fn column<V: Copy + Default>(&self, value: impl Fn(&Particles, usize) -> V) -> Result<Vec<V>> {
+        let mut column = memory::filled(self.len(), V::default())?;
         for (at, &row) in self.awake.rows.iter().enumerate() {
             column[row as usize] = value(&self.awake.particles, at);
         }
@@ -160,7 +163,7 @@ impl Bodies {
         for at in self.asleep.indices() {
             column[sleepers.rows[at] as usize] = value(&sleepers.particles, at);
         }
-        column
+        Ok(column)
     }
 
     /// The columns of the particle at an index, and its row in them.
@@ -177,7 +180,7 @@ impl Bodies {
     }
 
     /// The sleeping islands of the particles at some indices, ascending.
-    pub(crate) fn islands_of(&self, indices: &[u32]) -> Vec<u32> {
+    pub(crate) fn islands_of(&self, indices: &[u32]) -> Result<Vec<u32>> {
         let awake = self.awake.rows.len();
         let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
         self.asleep.islands_of(sleeping)
@@ -193,18 +196,24 @@ impl Bodies {
     }
 
     /// The indices of some rows.
-    pub(crate) fn indices_of(&self, rows: &[u32]) -> Vec<u32> {
-        let indices = if rows.is_empty() { &[] } else { self.indices() };
-        rows.iter().map(|&row| indices[row as usize]).collect()
+    pub(crate) fn indices_of(&self, rows: &[u32]) -> Result<Vec<u32>> {
+        let indices = if rows.is_empty() { &[] } else { self.indices()? };
+        memory::collect(rows.iter().map(|&row| indices[row as usize]))
     }
 
     /// The index of each row; those of sleeping particles come after those of all others. They are
     /// computed when they are first needed, and kept until [`Bodies::forget_indices`].
-    pub(crate) fn indices(&self) -> &[u32] {
+    pub(crate) fn indices(&self) -> Result<&[u32]> {
         // Most steps need no index by row, so the list is made on demand.
-        let indices = self.indices.get_or_init(|| self.find_indices());
+        let indices = match self.indices.get() {
+            Some(known) => known,
+            None => {
+                let found = self.find_indices()?;
+                self.indices.get_or_init(|| found)
+            }
+        };
         debug_assert!(self.are_indices(indices));
-        indices
+        Ok(indices)
     }
 
     /// Must be called when the order of the particles or their number changes.
@@ -212,10 +221,10 @@ impl Bodies {
         self.indices.take();
     }
 
-    fn find_indices(&self) -> Vec<u32> {
-        let mut indices = vec![0; self.len()];
+    fn find_indices(&self) -> Result<Vec<u32>> {
+        let mut indices = memory::filled(self.len(), 0)?;
         self.rows_and_indices().for_each(|(row, index)| indices[row as usize] = index);
-        indices
+        Ok(indices)
     }
 
     fn are_indices(&self, indices: &[u32]) -> bool {

@@ -5,6 +5,8 @@ use crate::contacts::Contacts;
 use crate::particles::Particles;
 use crate::resting::WallImpulse;
 use crate::world::bodies::discs::Discs;
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// What a particle rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,9 +27,9 @@ impl Islands {
         discs: &Discs,
         own: u32,
         joined: impl Iterator<Item = [u32; 2]>,
-    ) {
+    ) -> Result<()> {
         let Discs { particles, rows, .. } = discs;
-        self.groups.reset(rows.len());
+        self.groups.reset(rows.len())?;
         for pair in joined {
             // Pairs of two ghosts are known to their own processes.
             let is_known = pair.iter().any(|&index| rows[index as usize] < own);
@@ -35,6 +37,7 @@ impl Islands {
                 self.groups.join(pair[0], pair[1]);
             }
         }
+        Ok(())
     }
 
     /// Finds what each particle rests on: walls that pushed it in the last sub-step, other particles by contacts, or
@@ -45,7 +48,7 @@ impl Islands {
         contacts: &Contacts,
         wall_impulses: &[WallImpulse],
         tied: impl Iterator<Item = [u32; 2]>,
-    ) {
+    ) -> Result<()> {
         let (rests, movable) = (&mut self.rests, &discs.particles.movable);
         rests.clear();
         // Pushes are those of the last sub-step. A bounce has none, so it is no support.
@@ -55,7 +58,7 @@ impl Islands {
             of_row.map(|impulse| impulse.pushes[0]).any(|push| push > 0.0)
         };
         let rest = |&row: &u32| if is_on_wall(row) { Rest::Supported } else { Rest::Free };
-        rests.extend(discs.rows.iter().map(rest));
+        memory::extend(rests, discs.rows.iter().map(rest))?;
         // Only contacts with an impulse carry anything. Surfaces that merely touch support nothing.
         let pressed = contacts.lasting().filter(|contact| contact.presses());
         for pair in pressed.map(|contact| contact.indices).chain(tied) {
@@ -70,6 +73,7 @@ impl Islands {
                 *rest = Rest::Free;
             }
         }
+        Ok(())
     }
 }
 

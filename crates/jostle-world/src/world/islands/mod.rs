@@ -59,4 +59,7 @@ pub(crate) struct Islands {
     tree: Quadtree<f32>,
     /// The index of each row that contacts of waking islands name; [`NONE`] for all others.
     indices: Vec<u32>,
+    /// Rows that wake, and which indices stay awake, if waking is taken back.
+    woken_rows: Vec<u32>,
+    keep: Vec<bool>,
 }

@@ -9,8 +9,9 @@ use super::groups::{Rest, is_member};
 use crate::particles::Particles;
 use crate::world::bodies::discs::{Discs, RecentMotion};
 use crate::world::settings::WorldSettings;
-use jostle_base::parallel;
+use jostle_base::error::Result;
 use jostle_base::plain;
+use jostle_base::{memory, parallel, reserve};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
 /// It trades how soon islands fall asleep against what stops: a disc of radius 1 m on the earth
@@ -105,12 +106,12 @@ pub(super) fn note_motions(
     external: Option<&[[f32; 2]]>,
     dt: f64,
     threads: Option<usize>,
-) {
+) -> Result<()> {
     let gravity = magnitude(settings.gravity);
     let Discs { particles, persistent, rows } = discs;
     let recent = &mut persistent.recent_motions;
     let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
-    recent.resize(rows.len(), RecentMotion::UNKNOWN);
+    memory::resize(recent, rows.len(), RecentMotion::UNKNOWN)?;
     parallel::for_chunks(threads, recent, |first, recent| {
         for (recent, index) in recent.iter_mut().zip(first..) {
             // A disc that turns in place is not at rest: friction would carry what lies on it.
@@ -151,15 +152,17 @@ pub(super) fn note_motions(
             }
         }
     }
+    Ok(())
 }
 
 impl Islands {
     /// Computes the mean speeds of the quarter that ends, and begins the next one.
-    pub(super) fn end_quarter(&mut self, discs: &mut Discs, gravity: [f32; 2]) {
+    pub(super) fn end_quarter(&mut self, discs: &mut Discs, gravity: [f32; 2]) -> Result<()> {
         let gravity = magnitude(gravity);
         let Self { squares, changes, .. } = self;
         squares.clear();
         changes.clear();
+        reserve!(discs.rows.len(); *squares, *changes);
         let recent = discs.persistent.recent_motions.iter_mut();
         for (RecentMotion { before, now }, &radius) in recent.zip(&discs.particles.radii) {
             let limit = QUARTER * SLOW * (gravity * f64::from(radius)).sqrt();
@@ -174,6 +177,7 @@ impl Islands {
             changes.push([0, 1, 2].map(|k| change(k).round() as i64));
             (*before, *now) = (*now, [0.0; 3]);
         }
+        Ok(())
     }
 
     /// Whether any particle that may fall asleep, of the rows below `own`, is slow.
@@ -186,13 +190,13 @@ impl Islands {
 
     /// Sums up how the members of each island have moved. Ghosts, which are in the rows from `own` on, count on their
     /// own processes; but kinematic ones keep the island awake on each process.
-    pub(super) fn sum_motions(&mut self, discs: &Discs, own: u32) {
+    pub(super) fn sum_motions(&mut self, discs: &Discs, own: u32) -> Result<()> {
         let Discs { particles, rows, .. } = discs;
         let Self { groups, squares, changes, rests, motions, first, .. } = self;
         motions.clear();
-        motions.resize(squares.len(), IslandMotion::default());
+        memory::resize(motions, squares.len(), IslandMotion::default())?;
         first.clear();
-        first.extend((0..squares.len() as u32).map(|index| groups.root(index)));
+        memory::extend(first, (0..squares.len() as u32).map(|index| groups.root(index)))?;
         for (index, &first) in first.iter().enumerate() {
             if !is_member(particles, index as u32) {
                 continue;
@@ -210,5 +214,6 @@ impl Islands {
                 island.all_rest &= particles.movable[index];
             }
         }
+        Ok(())
     }
 }

@@ -20,6 +20,7 @@ use crate::world::plan::Plan;
 use crate::world::settings::{OnTouch, WorldSettings};
 use crate::world::{StepScratch, World};
 use jostle_base::error::Result;
+use jostle_base::memory;
 use jostle_base::table::{Table, dense};
 
 /// Whether anything may fall asleep with these settings, forces and walls.
@@ -53,25 +54,25 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
         external.accelerations.as_deref(),
         dt,
         plan.threads,
-    );
+    )?;
     if quarter(world.time) == quarter(world.time + dt) {
         return Ok(());
     }
-    world.islands.end_quarter(discs, settings.gravity);
+    world.islands.end_quarter(discs, settings.gravity)?;
     if list_sleepers(world)? {
         let World { bodies, contacts, boundaries, halo, islands, .. } = &mut *world;
-        let mut sleepers = islands.take(&bodies.awake);
-        let lasting = islands.contacts_of_sleepers(contacts);
+        let mut sleepers = islands.take(&bodies.awake)?;
+        let lasting = islands.contacts_of_sleepers(contacts)?;
         let rows = &bodies.awake.rows;
         // Those of a distributed world are kept with ids.
-        if !halo.keep_contacts(&sleepers, &lasting, rows) {
+        if !halo.keep_contacts(&sleepers, &lasting, rows)? {
             let by_rows = |(island, contact): (u32, Contact)| {
                 let indices = contact.indices.map(|index| rows[index as usize]);
                 (island, Contact { indices, ..contact })
             };
-            sleepers.set_contacts(lasting.into_iter().map(by_rows).collect());
+            sleepers.set_contacts(memory::collect(lasting.into_iter().map(by_rows))?)?;
         }
-        boundaries.copy_to(&mut sleepers);
+        boundaries.copy_to(&mut sleepers)?;
         put_to_sleep(world, sleepers)?;
     }
     Ok(())
@@ -87,14 +88,14 @@ fn list_sleepers(world: &mut World) -> Result<bool> {
     if !world.halo().any(may_sleep)? {
         return Ok(false);
     }
-    find_islands(world, own);
+    find_islands(world, own)?;
     world.halo.protocol().join_islands(world)?;
     let World { bodies, islands: Islands { first, motions, members, .. }, .. } = &mut *world;
     let Discs { particles, rows, .. } = &bodies.awake;
     for (index, &first) in (0..).zip(&*first) {
         let is_at_rest = motions[first as usize].is_at_rest();
         if is_at_rest && is_member(particles, index) && rows[index as usize] < own {
-            members.push([first, index]);
+            memory::push(members, [first, index])?;
         }
     }
     members.sort_unstable();
@@ -105,7 +106,7 @@ fn list_sleepers(world: &mut World) -> Result<bool> {
 /// Finds which particles belong together, because they touched in the step, may come near each
 /// other by themselves or a spring connects them, what each rests on, and how the islands move. Candidate pairs do not
 /// count: which there are depends on the speeds of all particles.
-fn find_islands(world: &mut World, own: u32) {
+fn find_islands(world: &mut World, own: u32) -> Result<()> {
     let World { bodies, contacts, boundaries, scratch, influences, islands, .. } = world;
     let StepScratch { contact_pairs, events, forces, .. } = scratch;
     let indices = &forces.indices;
@@ -115,19 +116,20 @@ fn find_islands(world: &mut World, own: u32) {
     // step, they touched in it, or a spring connects them.
     let touching = contacts.touching().map(|contact| contact.indices);
     let near = contact_pairs.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
-    islands.group(&bodies.awake, own, near.copied().chain(touching).chain(tied.clone()));
-    islands.find_rests(&bodies.awake, contacts, &boundaries.impulses, tied);
-    islands.sum_motions(&bodies.awake, own);
+    islands.group(&bodies.awake, own, near.copied().chain(touching).chain(tied.clone()))?;
+    islands.find_rests(&bodies.awake, contacts, &boundaries.impulses, tied)?;
+    islands.sum_motions(&bodies.awake, own)
 }
 
 impl Islands {
     /// The islands that fall asleep, at rest, without their contacts. They are still among the others,
     /// too.
-    pub(crate) fn take(&mut self, discs: &Discs) -> Sleepers {
+    pub(crate) fn take(&mut self, discs: &Discs) -> Result<Sleepers> {
         let Discs { particles, rows, persistent } = discs;
         let Self { members, island_of, names, .. } = self;
         let mut new = Sleepers::default();
-        let order: Vec<u32> = members.iter().map(|&[_, index]| index).collect();
+        new.discs.reserve(discs, members.len())?;
+        let order = memory::collect(members.iter().map(|&[_, index]| index))?;
         let discs = &mut new.discs;
         discs.particles.gather(particles, &order, Some(1));
         discs.particles.velocities.fill([0.0; 2]);
@@ -138,20 +140,20 @@ impl Islands {
         // After waking, an island is observed for two whole quarters again.
         discs.persistent.recent_motions.clear();
         island_of.clear();
-        island_of.resize(rows.len(), NONE);
+        memory::resize(island_of, rows.len(), NONE)?;
         let mut start = 0;
         for (island, members) in (0..).zip(members.chunk_by(|a, b| a[0] == b[0])) {
             members.iter().for_each(|&[_, index]| island_of[index as usize] = island);
             let particles = start..start + members.len() as u32;
             start = particles.end;
             let name = names.get(members[0][0] as usize).copied().unwrap_or_default();
-            new.islands.push(Island { particles, name, ..Island::default() });
+            memory::push(&mut new.islands, Island { particles, name, ..Island::default() })?;
         }
-        new
+        Ok(new)
     }
 
     /// The contacts of islands that fall asleep, each with the number of its island, sorted by these.
-    fn contacts_of_sleepers(&self, contacts: &Contacts) -> Vec<(u32, Contact)> {
+    fn contacts_of_sleepers(&self, contacts: &Contacts) -> Result<Vec<(u32, Contact)>> {
         let lasting = contacts.lasting().filter_map(|contact| {
             // Neither a static particle nor one that stays awake is in a new island. A kinematic
             // one keeps its island awake.
@@ -160,11 +162,19 @@ impl Islands {
             let island = islands.into_iter().min().filter(|&island| island != NONE);
             island.map(|island| (island, *contact))
         });
-        let mut all: Vec<_> = lasting.collect();
-        // The sort is stable, so the contacts of an island keep the canonical order.
-        all.sort_by_key(|&(island, _)| island);
-        all
+        let mut all = Vec::new();
+        memory::extend(&mut all, lasting)?;
+        // The contacts of an island keep the canonical order.
+        all.sort_unstable_by(|(a, own), (b, other)| a.cmp(b).then_with(|| own.compare(other)));
+        Ok(all)
     }
+}
+
+/// Which particles stay awake, with memory to remove the others.
+pub(crate) fn kept_awake(world: &mut World) -> Result<Vec<bool>> {
+    let keep = memory::collect(world.islands.island_of.iter().map(|&island| island == NONE))?;
+    world.contacts.reserve_retain(keep.len())?;
+    Ok(keep)
 }
 
 /// Moves islands to the sleeping ones. If there is an error on any process, nothing changes.
@@ -173,6 +183,8 @@ fn put_to_sleep(world: &mut World, sleepers: Sleepers) -> Result<()> {
     // of the others. Only then particles leave the columns, so an error leaves all where they
     // are.
     let count = sleepers.islands.len();
+    // What removes them from the columns must not fail.
+    let keep = kept_awake(world)?;
     let done = match count {
         0 => Ok(()),
         _ => world.bodies.asleep.append(&sleepers, world.settings.tree),
@@ -188,14 +200,14 @@ fn put_to_sleep(world: &mut World, sleepers: Sleepers) -> Result<()> {
         return done;
     }
     world.record.knows_sleepers = false;
-    remove_sleepers(world, sleepers);
+    remove_sleepers(world, sleepers, &keep);
     Ok(())
 }
 
 /// Removes particles that sleep now from those that are awake.
-pub(crate) fn remove_sleepers(world: &mut World, sleepers: Sleepers) {
-    let keep: Vec<bool> = world.islands.island_of.iter().map(|&island| island == NONE).collect();
-    world.boundaries.drop_rows(sleepers.discs.rows);
-    world.bodies.keep(&keep);
-    world.contacts.retain(&keep);
+pub(crate) fn remove_sleepers(world: &mut World, mut sleepers: Sleepers, keep: &[bool]) {
+    sleepers.discs.rows.sort_unstable();
+    world.boundaries.drop_rows(&sleepers.discs.rows);
+    world.bodies.keep(keep);
+    world.contacts.retain(keep);
 }

@@ -14,13 +14,13 @@ use crate::halo::Halo;
 use crate::world::bodies::Bodies;
 use crate::world::bodies::asleep::Sleepers;
 use crate::world::bodies::discs::Discs;
-use crate::world::boundaries::Boundaries;
 use crate::world::distribution::Distribution;
 use crate::world::reach::{FreeReaches, ROUNDED_UP, rounding};
 use crate::world::{StepScratch, World};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
+use jostle_base::{memory, reserve};
 use jostle_index::shapes::fill_filters;
 
 /// Whether particles sleep and all others are static, so that a step changes nothing.
@@ -99,7 +99,7 @@ fn find_circles_beyond_reach(world: &mut World) -> Result<bool> {
         let [x, y] = [x - u, y - v].map(f64::from);
         let distance = (x * x + y * y).sqrt();
         if distance > f64::from(reach) {
-            beyond_reach.push((index as u32, distance));
+            memory::push(beyond_reach, (index as u32, distance))?;
         }
     }
     if beyond_reach.is_empty() {
@@ -109,18 +109,20 @@ fn find_circles_beyond_reach(world: &mut World) -> Result<bool> {
     let index = |&(index, _): &(u32, f64)| index as usize;
     let columns = shapes.columns_mut();
     columns.centers.clear();
-    columns.centers.extend(beyond_reach.iter().map(|outside| particles.positions[index(outside)]));
+    let places = beyond_reach.iter().map(|outside| particles.positions[index(outside)]);
+    memory::extend(columns.centers, places)?;
     let radii = columns.radii.rows_mut();
     radii.clear();
-    radii.extend(beyond_reach.iter().map(|outside| {
+    let larger = beyond_reach.iter().map(|outside| {
         let (position, radius) =
             (particles.positions[index(outside)], particles.radii[index(outside)]);
         let rounding = rounding(position, radius, &settings.container);
         radius + outside.1 as f32 * ROUNDED_UP as f32 + rounding
-    }));
+    });
+    memory::extend(radii, larger)?;
     let filters = if particles.filters.is_empty() { &[][..] } else { &beyond_reach[..] };
     let filters = filters.iter().map(|outside| particles.filter(index(outside)));
-    fill_filters(filters, columns.filters);
+    fill_filters(filters, columns.filters)?;
     tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
     Ok(true)
 }
@@ -144,17 +146,26 @@ pub(crate) fn wake_touched(world: &mut World, all: bool) -> Result<()> {
 }
 
 /// Wakes islands. A step that fails takes that back with [`cancel_waking`]; [`forget_woken`] makes it final.
-pub(crate) fn wake(world: &mut World, islands: &[u32]) {
+pub(crate) fn wake(world: &mut World, islands: &[u32]) -> Result<()> {
     if islands.is_empty() {
-        return;
+        return Ok(());
     }
+    // First the memory, also for `cancel_waking`; then nothing can fail.
     let total = world.bodies.len();
-    world.halo.protocol().recall_contacts(world, islands);
-    let World { bodies, contacts, boundaries, islands: Islands { indices, .. }, .. } = world;
-    let woken = bodies.asleep.wake(islands);
-    indices.resize(total.max(indices.len()), NONE);
-    boundaries.insert(woken.wall_impulses.iter().copied());
+    world.bodies.asleep.reserve_waking(islands.len())?;
+    world.halo.protocol().recall_contacts(world, islands)?;
+    let World { bodies, contacts, boundaries, islands: scratch, .. } = world;
+    let Islands { indices, woken_rows, keep, .. } = scratch;
+    let woken = bodies.asleep.select(islands.iter().copied())?;
+    bodies.awake.reserve(&woken.discs, total)?;
+    reserve!(total; *woken_rows, *keep);
+    memory::lengthen(indices, total, NONE)?;
+    memory::reserve(&mut boundaries.impulses, woken.wall_impulses.len())?;
+    contacts.reserve_insert(woken.contacts.len(), total)?;
+    bodies.asleep.wake(islands);
+    boundaries.insert(&woken.wall_impulses);
     append(&woken, bodies, contacts, indices);
+    Ok(())
 }
 
 /// Appends islands that wake to the columns, with their contacts. `indices` has [`NONE`] for each row, before and
@@ -182,56 +193,60 @@ fn append(woken: &Sleepers, bodies: &mut Bodies, contacts: &mut Contacts, indice
 }
 
 /// Wakes all islands.
-pub(crate) fn wake_all(world: &mut World) {
-    wake_every_island(world);
+pub(crate) fn wake_all(world: &mut World) -> Result<()> {
+    wake_every_island(world)?;
     forget_woken(world);
+    Ok(())
 }
 
 /// Wakes all islands in a step, which takes it back if it fails.
-pub(crate) fn wake_every_island(world: &mut World) {
-    let all: Vec<u32> = world.bodies.asleep.islands().collect();
-    wake(world, &all);
+pub(crate) fn wake_every_island(world: &mut World) -> Result<()> {
+    let mut all = Vec::new();
+    memory::extend(&mut all, world.bodies.asleep.islands())?;
+    wake(world, &all)
 }
 
 /// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of
 /// which only the velocities have changed.
-pub(crate) fn wake_driven(world: &mut World, rows: &mut [u32]) {
+pub(crate) fn wake_driven(world: &mut World, rows: &mut [u32]) -> Result<()> {
     let World { bodies, influences, .. } = &*world;
     if bodies.asleep.is_empty() || rows.is_empty() {
-        return;
+        return Ok(());
     }
     rows.sort_unstable();
-    let mut islands = bodies.asleep.islands_touching(rows);
+    let mut islands = bodies.asleep.islands_touching(rows)?;
     let is_driven = |row: &Id| rows.binary_search(&(*row as u32)).is_ok();
     let all = influences.springs().flat_map(|springs| &springs.0);
     let tied = all.map(|spring| spring.pair).filter(|pair| pair.iter().any(is_driven));
-    let tied: Vec<u32> = tied.flatten().map(|row| row as u32).collect();
-    islands.extend(bodies.islands_of(&bodies.indices_of(&tied)));
+    let mut ends = Vec::new();
+    memory::extend(&mut ends, tied.flatten().map(|row| row as u32))?;
+    memory::append(&mut islands, &bodies.islands_of(&bodies.indices_of(&ends)?)?)?;
     islands.sort_unstable();
     islands.dedup();
-    wake_to_stay(world, &islands);
+    wake(world, &islands)
 }
 
 /// Wakes the islands of some rows; all if one of these is immovable.
-pub(crate) fn wake_changed(world: &mut World, rows: &[u32]) {
+pub(crate) fn wake_changed(world: &mut World, rows: &[u32]) -> Result<()> {
     let bodies = &world.bodies;
     if bodies.asleep.is_empty() {
-        return;
+        return Ok(());
     }
-    let indices = bodies.indices_of(rows);
+    let indices = bodies.indices_of(rows)?;
     // It is not known which islands rest on an immovable particle, or will overlap it where it
     // goes.
     if indices.iter().any(|&index| bodies.is_immovable(index)) {
-        return wake_all(world);
+        return wake_every_island(world);
     }
-    let islands = bodies.islands_of(&indices);
-    wake_to_stay(world, &islands);
+    let islands = bodies.islands_of(&indices)?;
+    wake(world, &islands)
 }
 
 /// Wakes islands between two steps.
-pub(crate) fn wake_to_stay(world: &mut World, islands: &[u32]) {
-    wake(world, islands);
+pub(crate) fn wake_to_stay(world: &mut World, islands: &[u32]) -> Result<()> {
+    wake(world, islands)?;
     forget_woken(world);
+    Ok(())
 }
 
 /// Makes waking final.
@@ -242,20 +257,20 @@ pub(crate) fn forget_woken(world: &mut World) {
 }
 
 /// Puts the islands to sleep again that were woken for a step that failed.
-pub(crate) fn cancel_waking(
-    bodies: &mut Bodies,
-    contacts: &mut Contacts,
-    boundaries: &mut Boundaries,
-) {
-    let woken = bodies.asleep.woken_rows();
+pub(crate) fn cancel_waking(world: &mut World) {
+    let World { bodies, contacts, boundaries, islands, .. } = world;
+    let Islands { woken_rows: woken, keep, .. } = islands;
+    woken.clear();
+    woken.extend(bodies.asleep.woken_rows());
     if woken.is_empty() {
         return;
     }
-    let is_asleep = |row: &u32| woken.binary_search(row).is_ok();
-    let keep: Vec<bool> = bodies.awake.rows.iter().map(|row| !is_asleep(row)).collect();
+    woken.sort_unstable();
+    keep.clear();
+    keep.extend(bodies.awake.rows.iter().map(|row| woken.binary_search(row).is_err()));
     boundaries.drop_rows(woken);
-    bodies.keep(&keep);
-    contacts.retain(&keep);
+    bodies.keep(keep);
+    contacts.retain(keep);
     bodies.asleep.cancel_waking();
     bodies.forget_indices();
 }

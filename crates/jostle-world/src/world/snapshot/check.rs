@@ -16,12 +16,13 @@ use crate::walls::index_of;
 use jostle_base::bytes::damaged;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::memory;
 use jostle_base::table::check_lengths;
 use jostle_index::shapes::MAX_ROWS;
 
 /// The error for a value that another check has refused.
 fn refused(error: Error) -> Error {
-    damaged(&error.to_string())
+    if let Error::NoMemory { .. } = error { error } else { damaged(&error.to_string()) }
 }
 
 /// Refuses what is wrong, for this reason.
@@ -44,7 +45,7 @@ fn check_islands(islands: &[Island], counts: [usize; 3]) -> Result<()> {
 
 /// Refuses rows that are not a permutation of those of all particles.
 fn check_rows<'a>(rows: impl Iterator<Item = &'a u32>, len: usize) -> Result<()> {
-    let mut is_known = vec![false; len];
+    let mut is_known = memory::filled(len, false)?;
     let is_new =
         |row: &u32| is_known.get_mut(*row as usize).is_some_and(|known| !mem::replace(known, true));
     ensure({ rows }.all(is_new), "its rows are not those of its particles")
@@ -105,16 +106,17 @@ pub(super) fn finish(world: &mut World) -> Result<()> {
     check_contacts(asleep, len)?;
     check_impulses(&boundaries.impulses, len)?;
     check_impulses(wall_impulses, len)?;
+    contacts.reserve_impulses(awake, 0)?;
     contacts.remember(awake);
     bodies.asleep = bodies.asleep.rebuilt(tree).map_err(refused)?;
     check_sleeping(bodies)?;
     influences
         .validate(|row| (0..len as Id).contains(&row))
-        .and_then(|()| influences.check_kinds(&bodies.kinds()))
+        .and_then(|()| influences.check_kinds(&bodies.kinds()?))
         .and_then(|()| influences.check_fit(container))
         .and_then(|()| influences.check_sides(container))
         .map_err(refused)?;
-    let walls = mem::take(&mut boundaries.walls).all().to_vec();
+    let walls = memory::copy(mem::take(&mut boundaries.walls).all())?;
     boundaries.walls = Walls::new(walls, container, tree).map_err(refused)?;
     boundaries.walls.set_sides(settings.side_restitutions());
     influences.check_walls(boundaries.walls.all().len()).map_err(refused)?;
@@ -154,7 +156,7 @@ pub(crate) fn check_wall_impulses(boundaries: &Boundaries, bodies: &Bodies) -> R
 pub(crate) fn check_sleeping(bodies: &Bodies) -> Result<()> {
     let Sleepers { discs, contacts, wall_impulses, islands } = bodies.asleep.sleepers();
     let particles = &discs.particles;
-    let indices = bodies.indices();
+    let indices = bodies.indices()?;
     let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
         && particles.spins.iter().all(|spin| spin.velocity == 0.0)
         && particles.movable.iter().all(|&movable| movable);

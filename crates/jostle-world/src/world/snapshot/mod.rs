@@ -10,6 +10,7 @@ pub(crate) mod check;
 
 use super::boundaries::Boundaries;
 use super::islands::Islands;
+use super::plan::start_threads;
 use super::{Stats, StepScratch, World};
 use jostle_base::bytes::{Reader, Saved, Writer, foreign};
 use jostle_base::error::Result;
@@ -71,13 +72,13 @@ impl World {
     /// use jostle_world::{Particles, World, WorldSettings};
     /// let disc = Particles::new(vec![[0.0, 0.0]], vec![[1.0, 0.0]], vec![1.0], 1.0);
     /// let mut world = World::new(disc, WorldSettings::default())?;
-    /// let bytes = world.snapshot();
+    /// let bytes = world.snapshot()?;
     /// world.step(0.1, 10)?;
     /// let again = World::restore(&bytes)?;
-    /// assert_eq!(again.bodies().positions(), [[0.0, 0.0]]);
+    /// assert_eq!(again.bodies().positions()?, [[0.0, 0.0]]);
     /// # Ok::<(), jostle_base::Error>(())
     /// ```
-    pub fn snapshot(&self) -> Vec<u8> {
+    pub fn snapshot(&self) -> Result<Vec<u8>> {
         let mut to = Writer::with_capacity(48 * self.len() + 256);
         self.put(&mut to);
         to.finish(MAGIC, VERSION)
@@ -98,6 +99,7 @@ impl World {
         let mut world = Self::get(&mut from)?;
         from.close()?;
         check::finish(&mut world)?;
+        start_threads(&world);
         Ok(world)
     }
 }

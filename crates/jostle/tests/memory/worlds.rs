@@ -1,0 +1,143 @@
+//! The worlds whose memory is short, and the calls that then fail.
+
+use jostle_base::{Error, Result, memory};
+use jostle_index::{Each, shapes::Filter};
+use jostle_scenes::{self as scenes, STEP, random::Random};
+use jostle_world::forces::Gravitation;
+use jostle_world::{Changes, Container, Influence, OnTouch, Particles, Wall, World, WorldSettings};
+
+/// Particles of each world. A column of bytes is large, and several threads are used.
+pub const LEN: usize = 20_000;
+
+/// A name, and a function that makes the world with a number of steps before it is tested.
+pub type Made = (&'static str, fn() -> World, usize);
+
+pub const WORLDS: [Made; 12] = [
+    ("gas", || scene("gas"), 1),
+    ("pile", || scene("pile"), 3),
+    ("mixed", || scene("mixed"), 1),
+    ("sand", || scene("sand"), 2),
+    ("springs", || scene("springs"), 1),
+    ("life", || scene("life"), 1),
+    ("flock", || scene("flock"), 1),
+    ("thermostat", || scene("thermostat"), 1),
+    ("orbit", || scene("orbit"), 1),
+    ("stars", stars_on_torus, 2),
+    ("sleeping", sleeping, 45),
+    ("tracked", tracked, 2),
+];
+
+fn scene(name: &str) -> World {
+    scenes::find(name).unwrap().create(Some(LEN), 1).unwrap()
+}
+
+/// Places of a square lattice.
+fn lattice(pitch: f32) -> Vec<[f32; 2]> {
+    let side = (LEN as f32).sqrt().ceil() as usize;
+    (0..LEN).map(|k| [(k % side) as f32 * pitch, (k / side) as f32 * pitch]).collect()
+}
+
+fn random_velocities(speed: f32) -> Vec<[f32; 2]> {
+    let mut random = Random::new(7);
+    let mut one = || [random.between(-speed, speed), random.between(-speed, speed)];
+    (0..LEN).map(|_| one()).collect()
+}
+
+/// Dust on a torus that attracts itself and merges.
+fn stars_on_torus() -> World {
+    let dust = Particles::new(lattice(1.0), random_velocities(5.0), vec![0.4; LEN], 1.0);
+    let container = Container::Torus { size: [146.0; 2] };
+    let settings = WorldSettings { container, on_touch: OnTouch::Merge, ..Default::default() };
+    let mut world = World::new(dust, settings).unwrap();
+    let pull = Gravitation { g: 0.01, softening: 0.5, theta: 0.7 };
+    world.set_forces(vec![Influence::Gravitation(pull)]).unwrap();
+    world
+}
+
+/// Discs on a floor, each an island; most of them sleep, and a few fall on them.
+fn sleeping() -> World {
+    let mut all: Vec<[f32; 2]> = (0..LEN).map(|k| [k as f32 * 2.5, 1.0]).collect();
+    all.iter_mut().step_by(100).for_each(|position| position[1] = 7.5);
+    let discs = Particles::new(all, vec![[0.0; 2]; LEN], vec![1.0; LEN], 1.0);
+    let container = Container::Box { min: [-50.0, 0.0], max: [2.6 * LEN as f32, 100.0] };
+    let settings =
+        WorldSettings { gravity: [0.0, -9.8], restitution: 0.3, container, ..Default::default() };
+    World::new(discs, settings).unwrap()
+}
+
+/// Rough discs with categories, sensors and events that are recorded.
+fn tracked() -> World {
+    let mut discs = Particles::new(lattice(1.1), random_velocities(2.0), vec![0.5; LEN], 1.0);
+    discs.restitutions.fill(0.8);
+    discs.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.3);
+    let filter = |k: usize| Filter { category: 1 << (k % 3), mask: u32::MAX << (k % 2) };
+    discs.filters_mut().iter_mut().enumerate().for_each(|(k, of)| *of = filter(k));
+    discs.sensors_mut().iter_mut().step_by(50).for_each(|is_sensor| *is_sensor = true);
+    let container = Container::Box { min: [-1.0; 2], max: [160.0; 2] };
+    let settings =
+        WorldSettings { gravity: [0.0, -9.8], container, track_events: true, ..Default::default() };
+    World::new(discs, settings).unwrap()
+}
+
+/// A name, and a call.
+pub type Call = (&'static str, fn(&mut World) -> Result<()>);
+
+pub const CALLS: [Call; 18] = [
+    ("step", |world| world.step(STEP, 1)),
+    ("snapshot", |world| world.snapshot().map(drop)),
+    ("restore", |world| World::restore(&world.snapshot()?).map(drop)),
+    ("new", |world| World::new(world.bodies().particles()?, *world.settings()).map(drop)),
+    ("add", |world| world.add(world.bodies().particles()?).map(drop)),
+    ("add immovable", |world| {
+        let mut particles = Particles::new(vec![[5.0; 2]], vec![[0.0; 2]], vec![0.5], 1.0);
+        particles.movable.fill(false);
+        world.add(particles).map(drop)
+    }),
+    ("remove", |world| world.remove(&some_ids(world)?)),
+    ("set", |world| {
+        let ids = some_ids(world)?;
+        let velocities = Each::Rows(memory::filled(ids.len(), [1.0, 2.0])?);
+        let changes = Changes {
+            velocities: Some(velocities),
+            friction: Some(Each::One(0.5)),
+            kinds: Some(Each::One(0)),
+            ..Changes::default()
+        };
+        world.set(&ids, &changes)
+    }),
+    ("edit", |world| {
+        world.edit(|all| {
+            all.velocities.fill([0.5, 0.25]);
+            Ok(())
+        })
+    }),
+    ("set_walls", |world| {
+        let wall = |k: usize| Wall::new([[k as f32, 500.0], [k as f32 + 0.5, 501.0]]);
+        world.set_walls(memory::collect((0..3000).map(wall))?)
+    }),
+    ("set_forces", |world| world.set_forces(world.forces()?)),
+    ("configure", |world| {
+        let settings = WorldSettings { drag: 0.5, ..*world.settings() };
+        world.configure(settings)
+    }),
+    ("accelerate", |world| world.set_accelerations(memory::filled(world.len(), [1.0, 0.0])?)),
+    ("quadtree", |world| world.quadtree().map(drop)),
+    ("contacts", |world| world.contacts().map(drop)),
+    ("events", |world| {
+        world.events()?;
+        world.wall_contacts().map(drop)
+    }),
+    ("energy", |world| world.potential_energy().map(drop)),
+    ("scene", |_| scenes::find("pile")?.create(Some(LEN), 1).map(drop)),
+];
+
+fn some_ids(world: &World) -> Result<Vec<i64>> {
+    let mut ids = world.bodies().ids()?;
+    ids.retain(|id| id % 2 == 0);
+    Ok(ids)
+}
+
+/// Whether an error says that there is no memory.
+pub fn is_no_memory(error: &Error) -> bool {
+    matches!(error, Error::NoMemory { .. })
+}
