@@ -117,7 +117,7 @@ def _vesin(points: Points, distance: float, *, periodic: bool) -> Any:
 
 def count_of(found: Any) -> int:
     """Return the number of pairs, each in both orders."""
-    if isinstance(found, jostle.Hits):
+    if isinstance(found, jostle.IdLists):
         return len(found.ids)
     if isinstance(found, tuple | list):  # the rows and the columns
         return len(found[0])

@@ -115,13 +115,13 @@ def shapely_ids(found: Any) -> list[Any]:
     return np.split(ids[np.argsort(questions, kind="stable")], np.cumsum(counts)[:-1])
 
 
-def our_ids(hits: jostle.Hits) -> list[Any]:
-    return np.split(hits.ids, hits.offsets[1:-1])
+def our_ids(hits: jostle.IdLists) -> list[Any]:
+    return list(hits)
 
 
-def inside(tree: jostle.Quadtree, rects: Points) -> jostle.Hits:
+def inside(tree: jostle.Quadtree, rects: Points) -> jostle.IdLists:
     hits = tree.query_rect(rects)
-    assert isinstance(hits, jostle.Hits)
+    assert isinstance(hits, jostle.IdLists)
     return hits
 
 

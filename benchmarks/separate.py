@@ -50,7 +50,7 @@ def scene(name: str, count: int) -> tuple[Floats, Floats, Floats]:
     halves = np.zeros((count, 2))
     if name == "crowd":  # discs on 60 % of the area that have moved by a tenth of their radius
         side = np.sqrt(count * np.pi / 0.6)
-        placed = jostle.separate(rng.uniform(0, side, (count, 2)), 1.0).centers
+        placed = jostle.separate(rng.uniform(0, side, (count, 2)), 1.0).positions
         moved = np.asarray(placed + rng.uniform(-0.1, 0.1, (count, 2)), np.float64)
         return moved, np.ones(count), halves
     if name == "heap of discs":
@@ -64,7 +64,7 @@ def scene(name: str, count: int) -> tuple[Floats, Floats, Floats]:
 
 def ours(centers: Floats, radii: Floats, halves: Floats, axis: int | None = None) -> Floats:
     """Return the centres of `separate`."""
-    return np.asarray(jostle.separate(centers, radii, halves, axis=axis).centers, np.float64)
+    return np.asarray(jostle.separate(centers, radii, halves, axis=axis).positions, np.float64)
 
 
 def adjust_text(centers: Floats, radii: Floats, halves: Floats) -> Floats:

@@ -38,12 +38,12 @@ class Scene:
     def frames(self, count: int) -> Iterator[dict[str, float]]:
         """Seconds of each call, frame by frame."""
         random = np.random.default_rng(1)
-        centers = self.space.centers(self.movers)
+        centers = self.space.get(self.movers).positions
         for _ in range(count):
             centers = centers + random.uniform(-0.5, 0.5, centers.shape)
             told: list[jostle.Events] = []
             yield {
-                "move": clock(lambda at=centers: self.space.move(self.movers, at)),
+                "move": clock(lambda at=centers: self.space.set(self.movers, positions=at)),
                 "update": clock(lambda to=told: to.append(self.space.update())),
                 "entered and left": clock(lambda of=told: (of[0].entered, of[0].left)),
                 **{what: clock(lambda f=f, at=centers: f(at)) for what, f in self.beside.items()},

@@ -89,9 +89,10 @@ class Documented(Validator):  # type: ignore[misc]
 
     @property
     def doc_all_parameters(self) -> dict[str, Any]:
-        # The fields of a named tuple are its attributes and the arguments of its class.
-        is_named_tuple = inspect.isclass(self.obj) and hasattr(self.obj, "_fields")
-        sections = ["Attributes"] if is_named_tuple else ["Parameters", "Other Parameters"]
+        # The fields of a named tuple or a result are its attributes and the arguments of its class.
+        names = {"_fields", "__slots__"} if inspect.isclass(self.obj) else set()
+        has_fields = any(hasattr(self.obj, name) for name in names)
+        sections = ["Attributes"] if has_fields else ["Parameters", "Other Parameters"]
         found: dict[str, Any] = self._doc_parameters(sections)
         return found
 

@@ -15,7 +15,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 STUB = Path(__file__).parents[1] / "python" / "jostle" / "_core.pyi"
 
@@ -45,13 +45,16 @@ def with_docstrings(stub: str, module: object) -> str:
     return stub
 
 
-def definitions(body: list[ast.stmt], owner: object) -> Iterator[tuple[Definition, str]]:
+def definitions(body: list[ast.stmt], owner: Any) -> Iterator[tuple[Definition, str]]:
     """Yield the public classes and functions of a stub, each with the docstring it should have."""
     previous = ""
     for node in body:
         if not isinstance(node, (ast.ClassDef, ast.FunctionDef)):
             continue
         is_first, previous = node.name != previous, node.name
+        if node.name == "_Queries":  # in the stub alone, for the classes that have these methods
+            yield from definitions(node.body, owner.Quadtree)
+            continue
         thing = inspect.getattr_static(owner, node.name, None)
         if isinstance(thing, staticmethod):  # its own docstring is that of the type
             thing = thing.__func__

@@ -22,18 +22,18 @@ for screen in show.frames("Bullets and ships", until=220):
     turn = np.arctan2(aim[1], aim[0]) + np.arange(5) * 2 * np.pi / 5
     space.add(ring(turn, 24), radii=2.5, categories=BULLET, masks=SHIP)
 
-    places, is_ship = space.centers() - MIDDLE, space.categories() == SHIP
+    places, is_ship = space.positions - MIDDLE, space.categories == SHIP
     out = places / np.linalg.norm(places, axis=1, keepdims=True)
     around = out[:, ::-1] * (-1, 1)
-    space.move(space.ids, space.centers() + np.where(is_ship[:, None], 2 * around - out, 6 * out))
+    space.positions = space.positions + np.where(is_ship[:, None], 2 * around - out, 6 * out)
 
     met = np.unique(space.update().entered)  # bullets and ships that begin to overlap
-    hit = met[space.categories(met) == SHIP]
-    space.resize(hit, space.radii(hit) - 3)
-    over = np.where(is_ship, space.radii() < 5, np.linalg.norm(places, axis=1) > 480)
+    hit = met[space.get(met).categories == SHIP]
+    space.set(hit, radii=space.get(hit).radii - 3)
+    over = np.where(is_ship, space.radii < 5, np.linalg.norm(places, axis=1) > 480)
     space.remove(np.union1d(np.setdiff1d(met, hit), space.ids[over]))  # also of bullets that hit
 
-    for center, radius in zip(space.centers(), space.radii()):
+    for center, radius in zip(space.positions, space.radii):
         color = show.YELLOW if radius < 3 else show.RED if radius < 12 else show.TEAL
         pygame.draw.aacircle(screen, color, center, radius)
     pygame.draw.aacircle(screen, show.TEXT, MIDDLE, 14)

@@ -22,11 +22,14 @@ glow = pygame.surfarray.make_surface((fade[:, :, None] * (110, 95, 62)).astype(n
 
 for screen in show.frames("Line of sight"):
     eye = np.array(pygame.mouse.get_pos())
-    ids, distances = tree.raycast(eye, directions, max_distance=REACH)  # no hit: -1, inf
-    seen = np.isin(np.arange(n), ids)
+    hits = tree.raycast(eye, directions, max_distance=REACH)  # no hit: id -1, distance inf
+    seen = np.isin(np.arange(n), hits.ids)
+    ends = eye + directions * np.minimum(hits.distances, REACH)[:, None]
 
     light = pygame.Surface(show.SIZE)
-    pygame.draw.polygon(light, "white", eye + directions * np.minimum(distances, REACH)[:, None])
+    pygame.draw.polygon(
+        light, "white", eye + directions * np.minimum(hits.distances, REACH)[:, None]
+    )
     light.blit(glow, eye - REACH, special_flags=pygame.BLEND_MULT)
     screen.blit(light, (0, 0), special_flags=pygame.BLEND_ADD)
     for center, radius, half, lit in zip(centers, radii, half_sizes, seen):

@@ -17,8 +17,7 @@ for frame, screen in enumerate(show.frames("Nearest enemy")):
     enemies = np.stack([x, 240 + 130 * np.sin(x / 110) + lane], axis=1)
 
     tree = jostle.Quadtree(enemies, radii=5.0)
-    distances, ids = tree.nearest(towers, max_distance=REACH)  # (towers, 1); none: inf, -1
-    aims = ids[:, 0]
+    aims = tree.nearest(towers, max_distance=REACH).ids[:, 0]  # none: -1
 
     for tower in towers:
         pygame.draw.aacircle(screen, show.DIM, tower, REACH, 1)

@@ -21,6 +21,6 @@ corners = np.stack([min_x, min_y, max_x, min_y, max_x, max_y, min_x, max_y], axi
 deeper = LinearSegmentedColormap.from_list("deeper", [show.GROUND, show.BLUE])
 with show.axes(f"{len(stars):,} stars in {len(corners):,} leaves") as axes:
     boxes = PolyCollection(list(corners.reshape(-1, 4, 2)), cmap=deeper, edgecolors=show.GROUND)
-    boxes.set_array(nodes.depths[nodes.is_leaf])
+    boxes.set_array(nodes.levels[nodes.is_leaf])
     axes.add_collection(boxes)
     axes.scatter(*stars.T, s=3, color=show.YELLOW, linewidths=0)

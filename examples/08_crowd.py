@@ -14,11 +14,11 @@ itself = np.arange(n)[:, None]
 
 for screen in show.frames("A crowd that avoids itself", until=300):
     tree = jostle.Quadtree(places)
-    distances, ids = tree.nearest(places, k=8, max_distance=24)  # the first is the disc itself
-    ids = np.where(ids < 0, itself, ids)  # a missing neighbour is replaced by the disc itself
+    near = tree.nearest(places, k=8, max_distance=24)  # the first is the disc itself
+    ids = np.where(near.ids < 0, itself, near.ids)  # instead of a missing neighbour, itself
 
     away = places[:, None] - places[ids]
-    too_close = np.maximum(1 - distances / 8, 0)[:, :, None]
+    too_close = np.maximum(1 - near.distances / 8, 0)[:, :, None]
     steps += 0.10 * (steps[ids].mean(axis=1) - steps)  # alignment
     steps -= 0.004 * away.mean(axis=1)  # cohesion
     steps += 0.12 * (away * too_close).sum(axis=1)  # separation

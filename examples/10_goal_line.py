@@ -22,11 +22,11 @@ scores, hits = np.zeros(2, int), 0
 for screen in show.frames("Goal line", until=240):
     world.step(1 / 60)
     hits += world.collisions.pairs
-    entered, stayed, left = world.events  # pairs of ids, the smaller first
+    events = world.events  # pairs of ids, the smaller first
     for k, goal in enumerate(goals):
-        scores[k] += (entered[:, 1] == goal).sum()
+        scores[k] += (events.entered[:, 1] == goal).sum()
 
-    touching = np.concatenate([entered, stayed])
+    touching = np.concatenate([events.entered, events.stayed])
     inside = set(touching[touching[:, 1] >= goals[0], 0].tolist())
     for goal, center in zip(goals, world.positions[goals]):
         is_lit = (touching[:, 1] == goal).any()

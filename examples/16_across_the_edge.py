@@ -16,7 +16,7 @@ for screen in show.frames("Neighbours across the edges", until=90):
     tree = jostle.Quadtree(places, period=show.SIZE)
     near = tree.neighbors(reach)
 
-    counts = np.diff(near.offsets)
+    counts = near.counts
     first = np.repeat(np.arange(n), counts)
     between = places[near.ids] - places[first]
     wrapped = between - np.round(between / show.SIZE) * show.SIZE  # the minimum image

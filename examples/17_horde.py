@@ -21,9 +21,9 @@ for screen in show.frames("A horde", until=240):
     places += speeds * away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1)
 
     apart = jostle.separate(
-        np.vstack([places, player]), sizes, weights=weights, fixed=is_player, max_rounds=12
+        np.vstack([places, player]), sizes, weights=weights, movable=~is_player, max_rounds=12
     )
-    places[:] = apart.centers[:-1]
+    places[:] = apart.positions[:-1]
 
     for place, radius in zip(places, radii):
         color = {2.5: show.BLUE, 3.5: show.TEAL, 5.0: show.YELLOW, 8.0: show.RED}[radius]

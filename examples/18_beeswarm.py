@@ -23,5 +23,5 @@ with show.axes("Ten thousand points, each at its value along x") as plot:
         swarm = jostle.separate(points, radius, axis=1)  # only y may change
         seconds += time.perf_counter() - start
         assert swarm.overlaps == 0
-        show.discs(plot, swarm.centers, np.full(len(values), radius), color, linewidths=0)
+        show.discs(plot, swarm.positions, np.full(len(values), radius), color, linewidths=0)
     print(f"{sum(map(len, groups.values())):,} points in {seconds * 1000:.0f} ms")

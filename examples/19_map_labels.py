@@ -21,11 +21,11 @@ apart = jostle.separate(
     centers,
     np.repeat([2.5, 0.0], n),
     np.concatenate([np.zeros((n, 2)), halves]),
-    fixed=np.arange(2 * n) < n,
+    movable=np.arange(2 * n) >= n,
     bounds=(4, 4, 796, 452),
     gap=1,
 )
-labels = apart.centers[n:]
+labels = apart.positions[n:]
 
 for screen in show.frames("Labels on a map", until=2):
     for town, label, half, name in zip(towns, labels, halves, names):

@@ -14,9 +14,9 @@ centers = middles[branch] + rng.normal(0, 1, (420, 2))
 for _ in range(60):  # towards the middles, and apart again
     centers += 0.06 * (middles[branch] - centers)
     apart = jostle.separate(centers, radii, gap=1, weights=radii**2, max_rounds=20)
-    centers[:] = apart.centers
+    centers[:] = apart.positions
 chart = jostle.separate(centers, radii, gap=1, bounds=(0, 0, 800, 450))
 
 colors = np.array([show.BLUE, show.TEAL, show.GREEN, show.YELLOW, show.RED])
 with show.axes(f"420 bubbles by size and branch, {chart.overlaps} overlaps") as plot:
-    show.discs(plot, chart.centers, radii, colors[branch], linewidths=0)
+    show.discs(plot, chart.positions, radii, colors[branch], linewidths=0)

@@ -23,7 +23,7 @@ ids = space.add([(20 + 19 * k, 20) for k in range(40)], 2.0, (4, 7), categories=
 velocities, speeds = np.zeros((40, 2)), rng.choice([-1, 1], 40) * rng.uniform(1, 3, 40)
 
 for frame, screen in enumerate(show.frames("A platformer", until=170)):
-    space.move(lift, (385, 240 + 110 * np.cos(frame / 40)))  # it carries the runners on it
+    space.set(lift, positions=(385, 240 + 110 * np.cos(frame / 40)))  # it carries the runners on it
     velocities[:, 0] = speeds
     velocities[:, 1] += 0.5
     slides = space.move_and_slide(ids, velocities, mask=WALL | LEDGE, one_way=LEDGE)
@@ -33,8 +33,8 @@ for frame, screen in enumerate(show.frames("A platformer", until=170)):
     speeds[slides.on_wall & (rng.random(40) < 0.1)] *= -1
 
     colors = [show.DIM] * len(solid) + [show.GREEN] * len(ledges) + [show.YELLOW]
-    for box, color in zip(np.vstack([solid, ledges, space.boxes(lift)]), colors):
+    for box, color in zip(np.vstack([solid, ledges, space.get(lift).boxes]), colors):
         pygame.draw.rect(screen, color, (*box[:2], *(box[2:] - box[:2])), border_radius=3)
-    for x, y in space.centers(ids):
+    for x, y in space.get(ids).positions:
         pygame.draw.rect(screen, show.ORANGE, (x - 6, y - 9, 12, 18), border_radius=5)
     show.caption(screen, f"{(level == '#').sum()} tiles in {len(solid)} boxes, {len(ids)} runners")

@@ -25,14 +25,14 @@ ids = space.add(starts * 6, 2.0, (3, 5), categories=WALKER)
 velocities, speeds = np.zeros((len(ids), 2)), rng.uniform(1, 2.5, len(ids))
 
 for screen in show.frames("A map of Tiled", until=300):
-    velocities[:, 0] = speeds
-    velocities[:, 1] += 0.4
+    velocities = np.stack([speeds, velocities[:, 1] + 0.4], axis=1)
     slides = space.move_and_slide(ids, velocities, mask=WALL | LEDGE, one_way=LEDGE)
     velocities[:] = slides.remaining
     speeds[slides.on_wall] *= -1
     velocities[slides.on_floor & (rng.random(len(ids)) < 0.02), 1] = -7.5
 
-    for boxes, color in ((walls, show.DIM), (ledges, show.GREEN), (space.boxes(ids), show.ORANGE)):
+    all_boxes = walls, ledges, space.get(ids).boxes
+    for boxes, color in zip(all_boxes, (show.DIM, show.GREEN, show.ORANGE)):
         for left, top, right, bottom in boxes:
             pygame.draw.rect(screen, color, (left, top, right - left, bottom - top))
     for start, end in space.walls:

@@ -15,13 +15,13 @@
     `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
     `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
     particle life.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
+`Contacts`, `IdLists`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
-`Separated`, `Slide`, `Slides`
-    The results of `separate` and `Space.move_and_slide`.
+`Separated`, `Slide`, `Slides`, `Shape`, `Shapes`
+    The results of `separate`, `Space.move_and_slide` and `Space.get`.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
     What a world says about its last step.
-`WorldParticle`, `WorldParticles`
+`Particle`, `Particles`
     Copies of some particles.
 """
 
@@ -49,13 +49,17 @@ from jostle._core import (
 )
 from jostle.results import (
     Contacts,
-    Hits,
+    IdLists,
     Neighbors,
     Nodes,
+    Particle,
+    Particles,
     RayHit,
     RayHitLists,
     RayHits,
     Separated,
+    Shape,
+    Shapes,
     Slide,
     Slides,
     Stats,
@@ -63,8 +67,6 @@ from jostle.results import (
     WorldCollisions,
     WorldContacts,
     WorldEvents,
-    WorldParticle,
-    WorldParticles,
     WorldStats,
 )
 from jostle.tilemap import tiles
@@ -79,16 +81,20 @@ __all__ = [
     "Events",
     "Flocking",
     "Gravitation",
-    "Hits",
+    "IdLists",
     "Motor",
     "Neighbors",
     "Nodes",
     "PairForce",
+    "Particle",
+    "Particles",
     "Quadtree",
     "RayHit",
     "RayHitLists",
     "RayHits",
     "Separated",
+    "Shape",
+    "Shapes",
     "Slide",
     "Slides",
     "Space",
@@ -102,8 +108,6 @@ __all__ = [
     "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
-    "WorldParticle",
-    "WorldParticles",
     "WorldStats",
     "__version__",
     "find_pairs",

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import (
     Any,
     Final,
@@ -13,6 +13,7 @@ from typing import (
     TypeAlias,
     final,
     overload,
+    type_check_only,
 )
 
 import numpy as np
@@ -22,14 +23,18 @@ from typing_extensions import Self
 from jostle.results import (
     Contacts,
     GaltonBoard,
-    Hits,
+    IdLists,
     Neighbors,
     Nodes,
     Nozzle,
+    Particle,
+    Particles,
     RayHit,
     RayHitLists,
     RayHits,
     Separated,
+    Shape,
+    Shapes,
     Slide,
     Slides,
     Stats,
@@ -37,8 +42,6 @@ from jostle.results import (
     WorldCollisions,
     WorldContacts,
     WorldEvents,
-    WorldParticle,
-    WorldParticles,
     WorldStats,
 )
 
@@ -118,7 +121,7 @@ class _Array(Protocol):
     def __len__(self) -> int: ...
 
 # One or many: a query with one point returns `RayHit` or an array of ids, with many `RayHits` or
-# `Hits`. Its overloads are in this order, in which mypy and pyright choose the same:
+# `IdLists`. Its overloads are in this order, in which mypy and pyright choose the same:
 #
 # 1. One: a tuple or a vector. A tuple of two values of type Any is one.
 # 2. Many: an array, or a sequence of anything but numbers. A list of values of type Any is many.
@@ -171,7 +174,7 @@ def wake_threads_always(always: bool) -> None:
 
 @overload
 def find_pairs(
-    centers: _Vectors,
+    positions: _Vectors,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
@@ -193,14 +196,14 @@ def find_pairs(
 
     Parameters
     ----------
-    centers : array_like, shape (n, 2), optional
+    positions : array_like, shape (n, 2), optional
         Centres, in any unit of length; required unless `boxes` is given.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
         are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
         width and height. The four numbers are compared without rounding:
@@ -236,7 +239,7 @@ def find_pairs(
     Raises
     ------
     TypeError
-        If an argument does not hold numbers, or if not exactly one of `centers` and `boxes`
+        If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
         is given.
     ValueError
         If a shape is wrong, a value is not finite, a size is negative or out of range, or
@@ -281,7 +284,7 @@ def find_pairs(
 
 @overload
 def find_pairs(
-    centers: None = None,
+    positions: None = None,
     radii: ArrayLike = 0.0,
     half_sizes: None = None,
     *,
@@ -392,12 +395,12 @@ def sprite_dict(
     """
 
 def separate(
-    centers: _Vectors,
+    positions: _Vectors,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
     weights: ArrayLike = 1.0,
-    fixed: ArrayLike | None = None,
+    movable: ArrayLike = True,
     axis: SupportsIndex | None = None,
     gap: _Number = 0.0,
     bounds: ArrayLike | None = None,
@@ -414,7 +417,7 @@ def separate(
 
     Parameters
     ----------
-    centers : array_like, shape (n, 2)
+    positions : array_like, shape (n, 2)
         Centres, in any unit of length.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
@@ -423,15 +426,15 @@ def separate(
     weights : array_like, a number or shape (n,), default 1.0
         Weights above 0. Of two overlapping shapes, one with twice the weight of the other moves
         half as far.
-    fixed : array_like of bool, shape (n,), optional
-        Whether shapes stay where they are. Pairs of two fixed shapes may overlap.
+    movable : array_like of bool, True or False or shape (n,), default True
+        Whether shapes may move; the others stay where they are. Pairs of two others may overlap.
     axis : {0, 1}, optional
         Move the shapes only along x (0) or only along y (1). If rounds do not succeed, the shapes
         are placed one after another at the nearest free positions, as in a swarm plot.
     gap : float, default 0.0
         Least distance between the surfaces of two shapes.
     bounds : array_like, shape (4,), optional
-        Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside
+        Region as min_x, min_y, max_x, max_y: all movable shapes are moved inside
         entirely; with `axis`, along that axis alone.
     max_rounds : int, default 1000
         Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
@@ -448,13 +451,13 @@ def separate(
     Separated
         The new positions, and the number of remaining overlaps.
 
-        centers : ndarray of float32 or float64, shape (n, 2)
+        positions : ndarray of float32 or float64, shape (n, 2)
             The new centres.
         rounds : int
             Number of rounds, at most `max_rounds`; placing along an axis counts as one.
         overlaps : int
-            Number of pairs that still overlap, or are closer than `gap`, without pairs of two fixed
-            shapes; 0 if the shapes are separated.
+            Number of pairs that still overlap, or are closer than `gap`, without pairs of two
+            that may not move; 0 if the shapes are separated.
 
     Raises
     ------
@@ -483,7 +486,7 @@ def separate(
     --------
     >>> import jostle
     >>> apart = jostle.separate([(0, 0), (1, 0), (9, 0)], radii=1.0, tolerance=0)
-    >>> apart.centers.round(3)
+    >>> apart.positions.round(3)
     array([[-0.5,  0. ],
            [ 1.5,  0. ],
            [ 9. ,  0. ]])
@@ -491,8 +494,722 @@ def separate(
     0
     """
 
+@type_check_only
+class _Queries:
+    """The queries that every class of shapes has."""
+
+    @overload
+    def query_rect(
+        self,
+        rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids:
+        """Find the shapes that overlap a rectangle, or each of many.
+
+        Parameters
+        ----------
+        rect : array_like, shape (4,) or (k, 4)
+            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
+            `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
+            in a list.
+        mask : int, optional
+            Find only shapes with a category in this set of bits.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that is not found, one for all queries or one for each; -1 is none.
+
+        Returns
+        -------
+        ndarray of int64, shape (m,), or IdLists
+            Ids, ascending; for many rectangles the list of each. A shape that only touches
+            a rectangle does not overlap it.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a minimum is above its maximum, or there are more
+            than 134217728 ids.
+
+        See Also
+        --------
+        query_circle, query_polygon : Other regions.
+        query_point : The shapes that contain a point.
+
+        Notes
+        -----
+        The ids of a `Quadtree` are row numbers. Queries are converted to its dtype; the result is that
+        of brute force in this arithmetic. Many queries in one call use all threads. A shape without
+        categories (0) is found only if no mask is given.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+        >>> tree.query_rect((2.5, -1, 9, 1))
+        array([1, 2])
+        >>> found = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
+        >>> found[1], found.counts
+        (array([1, 2]), array([1, 2]))
+        """
+    @overload
+    def query_rect(
+        self,
+        rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array],
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> IdLists: ...
+    @overload
+    def query_rect(
+        self,
+        rect: Sequence[_Real],
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids: ...
+    @overload
+    def query_rect(
+        self,
+        rect: _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids | IdLists | Any: ...
+    @overload
+    def query_circle(
+        self,
+        center: _Point,
+        radius: _Real,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids:
+        """Find the shapes that overlap a disc, or each of many.
+
+        Parameters
+        ----------
+        center : array_like, shape (2,) or (k, 2)
+            Centres.
+        radius : array_like, a number or shape (k,)
+            Radii. With one centre and many radii, all discs have that centre.
+        mask : int, optional
+            Find only shapes with a category in this set of bits.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that is not found, one for all queries or one for each; -1 is none.
+
+        Returns
+        -------
+        ndarray of int64, shape (m,), or IdLists
+            Ids, ascending; for many discs the list of each. A shape that only touches
+            a disc does not overlap it.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a radius is out of range, or there are more than
+            134217728 ids.
+
+        See Also
+        --------
+        query_rect, query_polygon : Other regions.
+        nearest : The shapes nearest to a point, with distances.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+        >>> tree.query_circle((1, 0), 1.5)
+        array([0, 1])
+        """
+    @overload
+    def query_circle(
+        self,
+        center: _Points,
+        radius: _Real | _Reals,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> IdLists: ...
+    @overload
+    def query_circle(
+        self,
+        center: _OneOrMorePoints,
+        radius: _Reals,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> IdLists: ...
+    @overload
+    def query_circle(
+        self,
+        center: Sequence[_Real],
+        radius: _Real,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids: ...
+    @overload
+    def query_circle(
+        self,
+        center: _AnyPoint | _Undecided,
+        radius: _Real | _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids | IdLists | Any: ...
+    @overload
+    def query_point(
+        self,
+        point: _Point,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids:
+        """Find the shapes that contain a point, or each of many points.
+
+        A circle or a rounded box contains its edge. A rectangle contains its left and its
+        upper edge, but not the right and the lower, as in pygame, so tiles side by side
+        share no point. A rectangle of width and height 0 is a circle of radius 0.
+
+        Parameters
+        ----------
+        point : array_like, shape (2,) or (k, 2)
+            Points.
+        mask : int, optional
+            Find only shapes with a category in this set of bits.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that is not found, one for all queries or one for each; -1 is none.
+
+        Returns
+        -------
+        ndarray of int64, shape (m,), or IdLists
+            Ids, ascending; for many points the list of each.
+
+        Raises
+        ------
+        ValueError
+            If a coordinate is not finite, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        query_circle : The shapes near a point.
+        nearest : The shapes nearest to a point.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
+        >>> tree.query_point((1.0, 0.2))
+        array([1])
+        """
+    @overload
+    def query_point(
+        self,
+        point: _Points,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> IdLists: ...
+    @overload
+    def query_point(
+        self,
+        point: Sequence[_Real],
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids: ...
+    @overload
+    def query_point(
+        self,
+        point: _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids | IdLists | Any: ...
+    @overload
+    def query_polygon(
+        self,
+        vertices: _Array | Sequence[_Point],
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids:
+        """Find the shapes that overlap a convex polygon, or each of many.
+
+        Parameters
+        ----------
+        vertices : array_like, shape (v, 2) or (k, v, 2)
+            Corners in order, clockwise or counterclockwise.
+        mask : int, optional
+            Find only shapes with a category in this set of bits.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that is not found, one for all queries or one for each; -1 is none.
+
+        Returns
+        -------
+        ndarray of int64, shape (m,), or IdLists
+            Ids, ascending; for many polygons the list of each. A shape that only touches
+            a polygon does not overlap it.
+
+        Raises
+        ------
+        ValueError
+            If a polygon has fewer than three corners, is not convex or has no area, if a
+            coordinate is not finite, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        query_rect, query_circle : Other regions.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+        >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
+        array([2])
+        """
+    @overload
+    def query_polygon(
+        self,
+        vertices: Sequence[_Points],
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> IdLists: ...
+    @overload
+    def query_polygon(
+        self,
+        vertices: Sequence[Sequence[_Real]],
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids: ...
+    @overload
+    def query_polygon(
+        self,
+        vertices: _Undecided,
+        *,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> _Ids | IdLists | Any: ...
+    def nearest(
+        self,
+        point: _OneOrMorePoints,
+        k: SupportsIndex = 1,
+        *,
+        max_distance: _Number | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> Neighbors:
+        """Find the shapes nearest to a point, or to each of many.
+
+        Parameters
+        ----------
+        point : array_like, shape (2,) or (n, 2)
+            Points.
+        k : int, default 1
+            Number of shapes to find.
+        max_distance : array_like, a number or shape (n,), default inf
+            Ignore shapes farther than this, in units of length.
+        mask : int, optional
+            Find only shapes with a category in this set of bits.
+        exclude : int or array_like of int, shape (n,), optional
+            An id that is not found, one for all points or one for each; -1 is none.
+
+        Returns
+        -------
+        Neighbors
+            With the fields:
+
+            ids : ndarray of int64, shape (k,) or (n, k)
+                Ids, the smaller first at equal distances; -1 if fewer than k are found; remove
+                those before you use them as an index.
+            distances : ndarray of float32 or float64, shape (k,) or (n, k)
+                Distances to the surfaces, nearest first; 0 inside a shape, infinity if
+                fewer than k are found.
+
+        Raises
+        ------
+        ValueError
+            If a coordinate is not finite, k is less than 1, k times the number of points is
+            more than 134217728, or `max_distance` is negative.
+
+        See Also
+        --------
+        query_circle : All shapes within a distance.
+        raycast : The first shape in a direction.
+
+        References
+        ----------
+        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> tree.nearest((2, 0), k=2)
+        Neighbors(ids=array([1, 0]), distances=array([0., 1.]))
+        >>> tree.nearest((2, 0), exclude=1).ids
+        array([0])
+        """
+    @overload
+    def raycast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHit:
+        """Find the first shape that a ray hits, or each of many rays.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of each ray.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of each ray, of any length except 0. One origin may have many
+            directions, and many origins one direction.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum length of each ray, in units of length. With a period it must be given, and
+            be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that rays pass, one for all or one for each, such as that of the shape in which a
+            ray starts; -1 is none.
+
+        Returns
+        -------
+        RayHit or RayHits
+            The id, at equal distances the smaller; -1 if nothing is hit, so test it before you use
+            it as an index. The distance to the surface; 0 if a ray starts in a shape, infinity if
+            nothing is hit. A ray that only touches an edge hits it. The point that is hit, and the
+            unit normal there, which points away from the shape.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
+
+        See Also
+        --------
+        shape_cast : The first shape that a moving shape hits.
+        nearest : The nearest shape in any direction.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> hit = tree.raycast((-4, 0), (1, 0))
+        >>> hit.id, hit.distance, hit.point
+        (0, 3.0, array([-1.,  0.]))
+        >>> hits = tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
+        >>> hits.ids, hits.distances
+        (array([ 1, -1,  0]), array([0.5, inf, 0.5]))
+        """
+    @overload
+    def raycast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHit: ...
+    @overload
+    def raycast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    @overload
+    def shape_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        radii: _Real = 0.0,
+        half_sizes: _Real | Sequence[_Real] | None = None,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHit:
+        """Find the first shape that a moving shape hits, or each of many.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of the centre of each moving shape.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of the motion, of any length except 0.
+        radii : array_like, a number or shape (k,), default 0.0
+            Radii, as of other shapes: of discs, or by which boxes extend beyond their cores.
+        half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+            Half widths and half heights of boxes.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum distance of each motion, in units of length. With a period it must be given,
+            and be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that is passed, one for all or one for each, such as that of the moving shape; -1
+            is none.
+
+        Returns
+        -------
+        RayHit or RayHits
+            The id and the distance of the motion until the hit, as from :meth:`raycast`; the point
+            where the surfaces touch, in the middle if sides touch.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), a size is out of range, or
+            `max_distance` is negative.
+
+        See Also
+        --------
+        raycast : The same for a point.
+
+        Examples
+        --------
+        A disc, and a square:
+
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> tree.shape_cast((-4, 0), (1, 0), radii=0.5).distance
+        2.5
+        >>> hit = tree.shape_cast((-4, 0.5), (1, 0), half_sizes=0.5)
+        >>> hit.distance, hit.point, hit.normal
+        (2.5, array([-1.,  0.]), array([-1.,  0.]))
+        """
+    @overload
+    def shape_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        radii: _Real | _Reals = 0.0,
+        half_sizes: _Real | _Reals | _Points | None = None,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def shape_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        radii: _Real | _Reals = 0.0,
+        half_sizes: _Real | _Reals | _Points | None = None,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def shape_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _OneOrMorePoints,
+        *,
+        radii: _Reals,
+        half_sizes: _Real | _Reals | _Points | None = None,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def shape_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _OneOrMorePoints,
+        *,
+        radii: _Real | _Reals = 0.0,
+        half_sizes: _Points,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def shape_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        radii: _Real = 0.0,
+        half_sizes: _Real | Sequence[_Real] | None = None,
+        max_distance: _Number = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHit: ...
+    @overload
+    def shape_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        radii: _Real | _Reals = 0.0,
+        half_sizes: _Real | _Reals | _Points | None = None,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits:
+        """Find every shape that a ray hits, nearest first, or that each of many rays hits.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of each ray.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of each ray, of any length except 0.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum length of each ray, in units of length. With a period it must be given, and
+            be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits.
+        exclude : int or array_like of int, shape (k,), optional
+            An id that rays pass, one for all or one for each; -1 is none.
+
+        Returns
+        -------
+        RayHits or RayHitLists
+            All hits of one ray, each shape once, at equal distances the smaller id first; for
+            many rays those of each.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
+            there are more than 134217728 hits.
+
+        See Also
+        --------
+        raycast : The first shape alone.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> hits = tree.raycast_all((-4, 0), (1, 0), max_distance=6)
+        >>> hits.ids, hits.distances
+        (array([0, 1]), array([3., 6.]))
+        """
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+        exclude: SupportsIndex | _IdList | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> IdLists:
+        """Find the neighbours of every shape within a distance.
+
+        Parameters
+        ----------
+        distance : float
+            Shapes are neighbours if the gap between their surfaces is below this, in units of
+            length; each radius is increased by half of it.
+        mask : int, optional
+            Find only neighbours of which both have a category in this set of bits.
+
+        Returns
+        -------
+        IdLists
+            For each shape, in the order of its row, the ids of its neighbours, ascending, itself left
+            out. The fields `offsets` and `ids` are compressed sparse rows.
+
+        Raises
+        ------
+        ValueError
+            If `distance` is negative or out of range, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        pairs : All pairs within a distance.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)])
+        >>> list(tree.neighbors(3.5))
+        [array([1]), array([0, 2]), array([1])]
+        """
+
 @final
-class Quadtree:
+class Quadtree(_Queries):
     """A quadtree over shapes that do not change.
 
     A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
@@ -502,14 +1219,14 @@ class Quadtree:
 
     Parameters
     ----------
-    centers : array_like, shape (n, 2), optional
+    positions : array_like, shape (n, 2), optional
         Centres, in any unit of length; required unless `boxes` is given.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
         are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
         width and height. The four numbers are compared without rounding:
@@ -539,7 +1256,7 @@ class Quadtree:
     Raises
     ------
     TypeError
-        If an argument does not hold numbers, or if not exactly one of `centers` and `boxes`
+        If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
         is given.
     ValueError
         If a shape is wrong, a value is not finite, or a size or a setting is out of range.
@@ -580,7 +1297,7 @@ class Quadtree:
     @overload
     def __new__(
         cls,
-        centers: _Vectors,
+        positions: _Vectors,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -595,7 +1312,7 @@ class Quadtree:
     @overload
     def __new__(
         cls,
-        centers: None = None,
+        positions: None = None,
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
@@ -724,679 +1441,6 @@ class Quadtree:
         >>> tree.contacts(walls, sort=True).depths
         array([0.5, 1.5])
         """
-    @overload
-    def query_rect(
-        self,
-        rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box,
-        *,
-        mask: SupportsIndex | None = None,
-    ) -> _Ids:
-        """Find the shapes that overlap a rectangle, or each of many.
-
-        Parameters
-        ----------
-        rect : array_like, shape (4,) or (k, 4)
-            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
-            `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
-            `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
-            in a list.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending; for many rectangles a `Hits`. A shape that only touches
-            a rectangle does not overlap it.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a minimum is above its maximum, or there are more
-            than 134217728 ids.
-
-        See Also
-        --------
-        query_circle, query_polygon : Other regions.
-        query_point : The shapes that contain a point.
-
-        Notes
-        -----
-        Queries are converted to the tree's dtype; the result is that of brute force in this
-        arithmetic. Many queries in one call use all threads of the tree. A shape without
-        categories (0) is found only if no mask is given.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_rect((2.5, -1, 9, 1))
-        array([1, 2])
-        >>> hits = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
-        >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
-        array([1, 2])
-        """
-    @overload
-    def query_rect(
-        self,
-        rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array],
-        *,
-        mask: SupportsIndex | None = None,
-    ) -> Hits: ...
-    @overload
-    def query_rect(self, rect: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
-    @overload
-    def query_rect(
-        self, rect: _Undecided, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits | Any: ...
-    @overload
-    def query_circle(
-        self, center: _Point, radius: _Real, *, mask: SupportsIndex | None = None
-    ) -> _Ids:
-        """Find the shapes that overlap a disc, or each of many.
-
-        Parameters
-        ----------
-        center : array_like, shape (2,) or (k, 2)
-            Centres.
-        radius : array_like, a number or shape (k,)
-            Radii. With one centre and many radii, all discs have that centre.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending; for many discs a `Hits`. A shape that only touches
-            a disc does not overlap it.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a radius is out of range, or there are more than
-            134217728 ids.
-
-        See Also
-        --------
-        query_rect, query_polygon : Other regions.
-        nearest : The shapes nearest to a point, with distances.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_circle((1, 0), 1.5)
-        array([0, 1])
-        """
-    @overload
-    def query_circle(
-        self, center: _Points, radius: _Real | _Reals, *, mask: SupportsIndex | None = None
-    ) -> Hits: ...
-    @overload
-    def query_circle(
-        self, center: _OneOrMorePoints, radius: _Reals, *, mask: SupportsIndex | None = None
-    ) -> Hits: ...
-    @overload
-    def query_circle(
-        self, center: Sequence[_Real], radius: _Real, *, mask: SupportsIndex | None = None
-    ) -> _Ids: ...
-    @overload
-    def query_circle(
-        self,
-        center: _AnyPoint | _Undecided,
-        radius: _Real | _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-    ) -> _Ids | Hits | Any: ...
-    @overload
-    def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids:
-        """Find the shapes that contain a point, or each of many points.
-
-        A circle or a rounded box contains its edge. A rectangle contains its left and its
-        upper edge, but not the right and the lower, as in pygame, so tiles side by side
-        share no point. A rectangle of width and height 0 is a circle of radius 0.
-
-        Parameters
-        ----------
-        point : array_like, shape (2,) or (k, 2)
-            Points.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending; for many points a `Hits`.
-
-        Raises
-        ------
-        ValueError
-            If a coordinate is not finite, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        query_circle : The shapes near a point.
-        nearest : The shapes nearest to a point.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
-        >>> tree.query_point((1.0, 0.2))
-        array([1])
-        """
-    @overload
-    def query_point(self, point: _Points, *, mask: SupportsIndex | None = None) -> Hits: ...
-    @overload
-    def query_point(self, point: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
-    @overload
-    def query_point(
-        self, point: _Undecided, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits | Any: ...
-    @overload
-    def query_polygon(
-        self, vertices: _Array | Sequence[_Point], *, mask: SupportsIndex | None = None
-    ) -> _Ids:
-        """Find the shapes that overlap a convex polygon, or each of many.
-
-        Parameters
-        ----------
-        vertices : array_like, shape (v, 2) or (k, v, 2)
-            Corners in order, clockwise or counterclockwise.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Row numbers, ascending; for many polygons a `Hits`. A shape that only touches
-            a polygon does not overlap it.
-
-        Raises
-        ------
-        ValueError
-            If a polygon has fewer than three corners, is not convex or has no area, if a
-            coordinate is not finite, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        query_rect, query_circle : Other regions.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
-        array([2])
-        """
-    @overload
-    def query_polygon(
-        self, vertices: Sequence[_Points], *, mask: SupportsIndex | None = None
-    ) -> Hits: ...
-    @overload
-    def query_polygon(
-        self, vertices: Sequence[Sequence[_Real]], *, mask: SupportsIndex | None = None
-    ) -> _Ids: ...
-    @overload
-    def query_polygon(
-        self, vertices: _Undecided, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits | Any: ...
-    def nearest(
-        self,
-        point: _OneOrMorePoints,
-        k: SupportsIndex = 1,
-        *,
-        max_distance: _Number | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> Neighbors:
-        """Find the shapes nearest to a point, or to each of many.
-
-        Parameters
-        ----------
-        point : array_like, shape (2,) or (n, 2)
-            Points.
-        k : int, default 1
-            Number of shapes to find.
-        max_distance : array_like, a number or shape (n,), default inf
-            Ignore shapes farther than this, in units of length.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        Neighbors
-            Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
-            (:meth:`raycast` returns the row first).
-
-            distances : ndarray of the tree's dtype, shape (k,) or (n, k)
-                Distances to the surfaces, nearest first; 0 inside a shape, infinity if
-                fewer than k are found.
-            ids : ndarray of int64, shape (k,) or (n, k)
-                Row numbers, the smaller first at equal distances; -1 if fewer than k are
-                found; remove those before you use them as an index.
-
-        Raises
-        ------
-        ValueError
-            If a coordinate is not finite, k is less than 1, k times the number of points is
-            more than 134217728, or `max_distance` is negative.
-
-        See Also
-        --------
-        query_circle : All shapes within a distance.
-        raycast : The first shape in a direction.
-
-        References
-        ----------
-        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> distances, ids = tree.nearest((2, 0), k=2)
-        >>> distances, ids
-        (array([0., 1.]), array([1, 0]))
-        """
-    @overload
-    def raycast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit:
-        """Find the first shape that a ray hits, or each of many rays.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of each ray.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of each ray, of any length except 0. One origin may have many
-            directions, and many origins one direction.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum length of each ray, in units of length. With a period it must be given, and
-            be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits; other shapes are ignored.
-
-        Returns
-        -------
-        RayHit or RayHits
-            Unpacks as ``row, distance``, in this order (:meth:`nearest` returns distances
-            first); for many rays, arrays of both. At equal distances the smaller row; -1 and
-            infinity if nothing is hit, so test the row before you use it as an index. The
-            distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-            touches an edge hits it. The attribute `normal`, or `normals`, holds unit vectors
-            that point away from the shape where it is hit; (0, 0) if a ray starts in it.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
-
-        See Also
-        --------
-        circle_cast : The first shape that a moving disc hits.
-        nearest : The nearest shape in any direction.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> tree.raycast((-4, 0), (1, 0))
-        RayHit(id=0, distance=3.0)
-        >>> tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
-        RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
-        """
-    @overload
-    def raycast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def raycast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def raycast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
-    @overload
-    def raycast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits | Any: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        radius: _Real,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit:
-        """Find the first shape that a moving disc hits, or each of many discs.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of the centre of each disc.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of the motion, of any length except 0.
-        radius : array_like, a number or shape (k,)
-            Radii of the discs.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum distance of each motion, in units of length. With a period it must be given,
-            and be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits; other shapes are ignored.
-
-        Returns
-        -------
-        RayHit or RayHits
-            The row and the distance of the motion until the hit, as from :meth:`raycast`.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), a radius is out of range, or
-            `max_distance` is negative.
-
-        See Also
-        --------
-        raycast : The same for a point.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> tree.circle_cast((-4, 0.5), (1, 0), radius=0.5)
-        RayHit(id=0, distance=2.585786437626905)
-        """
-    @overload
-    def circle_cast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        radius: _Real | _Reals,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        radius: _Real | _Reals,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _OneOrMorePoints,
-        radius: _Reals,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        radius: _Real,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        radius: _Real | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits | Any: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits:
-        """Find every shape that a ray hits, nearest first, or that each of many rays hits.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of each ray.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of each ray, of any length except 0.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum length of each ray, in units of length. With a period it must be given, and
-            be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        RayHits or RayHitLists
-            Unpacks as ``rows, distances``: all hits of one ray, each shape once, at equal
-            distances the smaller row first. For many rays, ``offsets, ids, distances, normals``.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
-            there are more than 134217728 hits.
-
-        See Also
-        --------
-        raycast : The first shape alone.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> ids, distances = tree.raycast_all((-4, 0), (1, 0), max_distance=6)
-        >>> ids, distances
-        (array([0, 1]), array([3., 6.]))
-        """
-    @overload
-    def raycast_all(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHitLists: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHitLists: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits | RayHitLists | Any: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        half_size: _Real | _Point,
-        radius: _Real = 0.0,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit:
-        """Find the first shape that a moving box hits, or each of many boxes.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of the centre of each box.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of the motion, of any length except 0.
-        half_size : array_like, a number, shape (2,) or (k, 2)
-            Half widths and half heights of the boxes.
-        radius : array_like, a number or shape (k,), default 0.0
-            Distance by which the boxes extend beyond their cores, as for other shapes.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum distance of each motion, in units of length. With a period it must be given,
-            and be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits; other shapes are ignored.
-
-        Returns
-        -------
-        RayHit or RayHits
-            The row and the distance of the motion until the hit, as from :meth:`raycast`.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), a size is out of range, or
-            `max_distance` is negative.
-
-        See Also
-        --------
-        circle_cast : The same for a disc.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> hit = tree.box_cast((-4, 0.5), (1, 0), half_size=0.5)
-        >>> hit, hit.normal
-        (RayHit(id=0, distance=2.5), (-1.0, 0.0))
-        """
-    @overload
-    def box_cast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        half_size: _Real | _OneOrMorePoints,
-        radius: _Real | _Reals = 0.0,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        half_size: _Real | _OneOrMorePoints,
-        radius: _Real | _Reals = 0.0,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        half_size: _Real | _AnyPoint,
-        radius: _Real = 0.0,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        half_size: _Real | _OneOrMorePoints | _Undecided,
-        radius: _Real | _Reals | _Undecided = 0.0,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits | Any: ...
-    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits:
-        """Find the neighbours of every shape within a distance.
-
-        Parameters
-        ----------
-        distance : float
-            Shapes are neighbours if the gap between their surfaces is below this, in units of
-            length; each radius is increased by half of it.
-        mask : int, optional
-            Find only neighbours of which both have a category in this set of bits.
-
-        Returns
-        -------
-        Hits
-            Compressed sparse rows: ``ids[offsets[i]:offsets[i + 1]]`` are the rows of the
-            neighbours of shape i, ascending, itself left out; i counts the shapes in ascending row.
-
-        Raises
-        ------
-        ValueError
-            If `distance` is negative or out of range, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        pairs : All pairs within a distance.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)])
-        >>> tree.neighbors(3.5).lists()
-        [array([1]), array([0, 2]), array([1])]
-        """
     def nodes(self) -> Nodes:
         """Return the boxes of the tree.
 
@@ -1447,7 +1491,7 @@ class Quadtree:
         nodes : The boxes.
         """
     @property
-    def centers(self) -> NDArray[np.floating[Any]]:
+    def positions(self) -> NDArray[np.floating[Any]]:
         """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the tree's dtype, shape
         (n, 2), a copy. With a period they are in ``[0, period)``.
         """
@@ -1481,7 +1525,7 @@ class Quadtree:
     def __len__(self) -> int: ...
 
 @final
-class Space:
+class Space(_Queries):
     """A collection of shapes that can be added, moved, changed and removed, and of the pairs that
     overlap.
 
@@ -1530,11 +1574,11 @@ class Space:
     >>> import jostle
     >>> space = jostle.Space()
     >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
-    >>> space.move(ids[1], (1.5, 0))
+    >>> space.set(ids[1], positions=(1.5, 0))
     >>> space.update().entered
     array([[0, 1]])
     >>> space.remove(0)
-    >>> space.update().left
+    >>> space.update().exited
     array([[0, 1]])
     """
 
@@ -1550,7 +1594,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: _Point,
+        positions: _Point,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -1562,14 +1606,14 @@ class Space:
 
         Parameters
         ----------
-        centers : array_like, shape (k, 2) or (2,), optional
+        positions : array_like, shape (k, 2) or (2,), optional
             Centres; required unless `boxes` is given.
         radii : array_like, a number or shape (k,), default 0.0
             Radii.
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
             Half widths and half heights. If omitted, the shapes are circles.
         boxes : array_like, shape (k, 4) or (4,), optional
-            Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+            Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
             Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
             are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
             x, y, width and height. The four numbers are compared without rounding: boxes that share
@@ -1587,12 +1631,12 @@ class Space:
         ndarray of int64, shape (k,), or int
             Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
             removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
-            indices of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
+            indices of arrays; :meth:`rows` gives those.
 
         Raises
         ------
         TypeError
-            If an argument does not hold numbers, or if not exactly one of `centers` and
+            If an argument does not hold numbers, or if not exactly one of `positions` and
             `boxes` is given.
         ValueError
             If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
@@ -1600,9 +1644,7 @@ class Space:
 
         See Also
         --------
-        move : Change centres or boxes.
-        resize : Change radii or half sizes.
-        set_filter : Change categories and masks.
+        set : Change shapes.
         remove : Remove shapes.
 
         Examples
@@ -1619,7 +1661,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: _Points,
+        positions: _Points,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -1630,7 +1672,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: Sequence[_Real],
+        positions: Sequence[_Real],
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -1641,7 +1683,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: _Undecided,
+        positions: _Undecided,
         radii: ArrayLike = 0.0,
         half_sizes: ArrayLike | None = None,
         *,
@@ -1652,7 +1694,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: None = None,
+        positions: None = None,
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
@@ -1663,7 +1705,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: None = None,
+        positions: None = None,
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
@@ -1674,7 +1716,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: None = None,
+        positions: None = None,
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
@@ -1685,7 +1727,7 @@ class Space:
     @overload
     def add(
         self,
-        centers: None = None,
+        positions: None = None,
         radii: ArrayLike = 0.0,
         half_sizes: None = None,
         *,
@@ -1693,56 +1735,6 @@ class Space:
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int | _Ids | Any: ...
-    @overload
-    def move(self, ids: ArrayLike, centers: _Vectors, *, boxes: None = None) -> None:
-        """Change the centres or the boxes of shapes.
-
-        Shapes whose values are unchanged cost almost nothing. For shapes that slide, this is a motion
-        along a straight line, however long: see :meth:`move_and_slide`. To put an obstacle elsewhere
-        without a motion, remove it and add another one.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,)
-            The shapes, each at most once.
-        centers : array_like, shape (k, 2), or (2,) for one id, optional
-            The new centres. A shape that was given as a box, and whose centre changes, is stored as
-            ``center ± half_size`` from then on, with half the size of its box, and its sides are
-            rounded. Give `boxes` to keep them exact.
-        boxes : array_like, shape (k, 4), or (4,) for one id, optional
-            In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
-            as in :meth:`add`. The size may change too. Radii stay the same.
-
-        Raises
-        ------
-        TypeError
-            If an argument does not hold numbers, or if not exactly one of `centers` and
-            `boxes` is given.
-        ValueError
-            If an id does not exist or is given twice, a coordinate is not finite, or a
-            minimum is above its maximum; then nothing moves.
-
-        See Also
-        --------
-        resize : Change radii or half sizes.
-        update : The pairs that enter and leave by it.
-        move_and_slide : Moves shapes among obstacles, which push them if they have moved.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
-        >>> space.move(ids, [(1, 0), (6, 0)])
-        >>> space.move(0, (2, 0))
-        >>> space.centers(ids)
-        array([[2., 0.],
-               [6., 0.]])
-        >>> tile = space.add(boxes=(0, 0, 0.1, 0.1))
-        >>> space.move(tile, boxes=(0.1, 0, 0.2, 0.1))
-        """
-    @overload
-    def move(self, ids: ArrayLike, centers: None = None, *, boxes: _Boxes | _Rect) -> None: ...
     @overload
     def move_and_slide(
         self,
@@ -1814,7 +1806,7 @@ class Space:
 
         See Also
         --------
-        move : Sets centres, also where other shapes are.
+        set : Sets positions, also where other shapes are.
         walls : Line segments, for slopes and outlines of polygons.
         tiles : Merges the tiles of a grid into few boxes.
 
@@ -1825,7 +1817,7 @@ class Space:
         displacement first, and shapes whose category `mask` leaves out last. The order of other
         shapes has no effect.
 
-        The motions that obstacles have made since the last call for a shape, by :meth:`move` or by
+        The motions that obstacles have made since the last call for a shape, by :meth:`set` or by
         another call, are repeated first, all at the same time: what meets the shape pushes it. A
         shape that met a floor in its last call is carried by it: it moves by the same vector, and
         other obstacles that move by this vector do not stop it. Several motions between two calls
@@ -1852,10 +1844,10 @@ class Space:
         >>> slide = space.move_and_slide(player, (8, 5))
         >>> slide.on_floor, slide.remaining
         (True, array([8., 0.]))
-        >>> space.centers(player).round(6)
+        >>> space.get(player).positions.round(6)
         array([18.,  6.])
         >>> slide = space.move_and_slide(player, (1000, 5))
-        >>> slide.on_floor, slide.on_wall, space.centers(player).round(6)
+        >>> slide.on_floor, slide.on_wall, space.get(player).positions.round(6)
         (True, True, array([48.,  6.]))
         """
     @overload
@@ -1882,80 +1874,218 @@ class Space:
         floor_angle: _Number = 0.7853981633974483,
         one_way: SupportsIndex = 0,
     ) -> Slide | Slides | Any: ...
-    def resize(
-        self, ids: ArrayLike, radii: ArrayLike | None = None, half_sizes: ArrayLike | None = None
-    ) -> None:
-        """Change the radii or the half sizes of shapes, or both.
+    @overload
+    def get(self, ids: _Id) -> Shape:
+        """Return some shapes.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            The shapes, each at most once.
-        radii : array_like, a number or shape (k,), optional
-            If omitted, they stay the same.
-        half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-            If omitted, they stay the same. A shape that was given as a box, and whose size
-            changes, is stored as ``center ± half_size`` from then on; ``move(ids, boxes=...)``
-            gives it another box.
+            The shapes, in any order, also several times.
+
+        Returns
+        -------
+        Shape or Shapes
+            Copies of their columns; of one id the values of one shape.
 
         Raises
         ------
         TypeError
-            If an argument does not hold numbers.
+            If `ids` does not hold integers.
         ValueError
-            If an id does not exist or is given twice, or a size is not finite or out of
-            range; then nothing changes.
+            If an id does not exist.
 
         See Also
         --------
-        move : Change centres or boxes.
+        set : Change some shapes.
 
         Examples
         --------
         >>> import jostle
         >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0)], radii=1.0)
-        >>> space.resize(ids, 2.0)
+        >>> ids = space.add([(0, 0), (3, 4)], radii=[1.0, 2.0])
+        >>> space.get(1).positions, space.get(1).radii
+        (array([3., 4.]), 2.0)
+        >>> space.get([1, 0]).radii
+        array([2., 1.])
+        """
+    @overload
+    def get(self, ids: _IdList) -> Shapes: ...
+    @overload
+    def get(self, ids: _Undecided) -> Shape | Shapes | Any: ...
+    def set(
+        self,
+        ids: ArrayLike,
+        *,
+        positions: _Vectors | None = None,
+        radii: ArrayLike | None = None,
+        half_sizes: ArrayLike | None = None,
+        boxes: _Boxes | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+    ) -> None:
+        """Change some shapes. What is omitted stays the same.
+
+        Shapes whose values are unchanged cost almost nothing. For shapes that slide, new positions or
+        boxes are a motion along a straight line, however long: see :meth:`move_and_slide`. To put an
+        obstacle elsewhere without a motion, remove it and add another one.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The shapes, each at most once.
+        positions : array_like, shape (k, 2), or (2,) for one id, optional
+            Centres. A shape that was given as a box, and whose centre changes, is stored as
+            ``center ± half_size`` from then on, with half the size of its box, and its sides are
+            rounded. Give `boxes` to keep them exact.
+        radii : array_like, a number or shape (k,), optional
+            Radii.
+        half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+            Half widths and half heights. A shape that was given as a box, and whose size changes, is
+            stored as ``center ± half_size`` from then on.
+        boxes : array_like, shape (k, 4), or (4,) for one id, optional
+            In place of `positions` and `half_sizes`, sides min_x, min_y, max_x, max_y of each shape,
+            or pygame's Rects, as in :meth:`add`.
+        categories : array_like of int, a number or shape (k,), optional
+            Categories, sets of 32 bits.
+        masks : array_like of int, a number or shape (k,), optional
+            Categories each shape may pair with.
+
+        Raises
+        ------
+        TypeError
+            If an argument does not hold numbers, or `boxes` is given beside `positions` or
+            `half_sizes`.
+        ValueError
+            If an id does not exist or is given twice, a value is not finite or out of range, or a
+            minimum is above its maximum; then nothing changes.
+
+        See Also
+        --------
+        get : Read some shapes.
+        update : The pairs that enter and leave by it.
+        move_and_slide : Moves shapes among obstacles, which push them if they have moved.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
+        >>> space.set(ids, positions=[(1, 0), (6, 0)], radii=[1.0, 3.5])
+        >>> space.set(0, positions=(2, 0))
         >>> space.update().entered
         array([[0, 1]])
-        """
-    def set_filter(
-        self, ids: ArrayLike, categories: ArrayLike | None = None, masks: ArrayLike | None = None
-    ) -> None:
-        """Change the categories or the masks of shapes, or both.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,)
-            The shapes, each at most once.
-        categories : array_like of int, a number or shape (k,), optional
-            If omitted, they stay the same.
-        masks : array_like of int, a number or shape (k,), optional
-            If omitted, they stay the same.
-
-        Raises
-        ------
-        TypeError
-            If an argument does not hold integers.
-        ValueError
-            If an id does not exist or is given twice, or a set of bits has more than 32;
-            then nothing changes.
-
-        See Also
-        --------
-        categories, masks : The present ones.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (1, 0)], radii=1.0)
-        >>> space.set_filter(0, masks=0)  # it can no longer pair
+        >>> space.set(0, masks=0)  # it can no longer pair
         >>> len(space.pairs())
         0
         """
+    @overload
+    def rows(self, ids: _Id) -> int:
+        """Return the rows that shapes have in the columns.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, of any shape
+            The shapes.
+
+        Returns
+        -------
+        ndarray of int64 of the same shape, or int
+            Their rows, until a shape before them is removed.
+
+        Raises
+        ------
+        TypeError
+            If `ids` does not hold integers.
+        ValueError
+            If an id does not exist.
+
+        See Also
+        --------
+        ids : The ids of all rows.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
+        >>> space.remove(0)
+        >>> space.rows(space.pairs(distance=9.0))
+        array([[0, 1]])
+        """
+    @overload
+    def rows(self, ids: _IdList | Sequence[_IdList]) -> _Ids: ...
+    @overload
+    def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
+    @property
+    def positions(self) -> NDArray[np.floating[Any]]:
+        """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the space's dtype, shape
+        (n, 2), a read-only copy in the order of adding.
+
+        Assign to it to move all shapes, as :meth:`set` does. With a period they are in
+        ``[0, period)``. As of every column, the row of a shape is that of its id in `ids`; the first
+        reading after shapes were removed visits all of them.
+
+        See Also
+        --------
+        rows : The rows of ids.
+        get, set : Some shapes.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (3, 4)], radii=1.0)
+        >>> space.positions = space.positions + (1, 0)
+        >>> space.positions
+        array([[1., 0.],
+               [4., 4.]])
+        """
+    @positions.setter
+    def positions(self, value: _Vectors) -> None: ...
+    @property
+    def radii(self) -> NDArray[np.floating[Any]]:
+        """Radii: ndarray of the space's dtype, shape (n,), a read-only copy. Assign a number or an array to
+        it to change all.
+        """
+    @radii.setter
+    def radii(self, value: ArrayLike) -> None: ...
+    @property
+    def half_sizes(self) -> NDArray[np.floating[Any]]:
+        """Half widths and half heights: ndarray of the space's dtype, shape (n, 2), a read-only copy; 0 for
+        circles, ``(max - min) / 2`` for shapes given as boxes. Assign to it to change all.
+        """
+    @half_sizes.setter
+    def half_sizes(self, value: ArrayLike) -> None: ...
+    @property
+    def boxes(self) -> NDArray[np.floating[Any]]:
+        """The sides of the shapes without their radii: ndarray of the space's dtype, shape (n, 4), a
+        read-only copy. Assign to it to give all shapes boxes.
+
+        They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``; for a circle
+        its centre as both corners.
+        """
+    @boxes.setter
+    def boxes(self, value: _Boxes) -> None: ...
+    @property
+    def categories(self) -> NDArray[np.uint32]:
+        """Categories, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an
+        array to it to change all.
+        """
+    @categories.setter
+    def categories(self, value: ArrayLike) -> None: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]:
+        """Masks, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an array
+        to it to change all.
+        """
+    @masks.setter
+    def masks(self, value: ArrayLike) -> None: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove shapes. Their ids are never used again.
+
+        The next reading of a column, of `ids` or of rows visits all shapes once, however many were
+        removed.
 
         Parameters
         ----------
@@ -1999,8 +2129,8 @@ class Space:
         Events
             Three arrays:
 
-            entered, stayed, left : ndarray of int64, shape (m, 2)
-                Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
+            entered, stayed, exited : ndarray of int64, shape (m, 2)
+                Pairs of ids, the smaller first, sorted. `exited` may contain the ids of removed
                 shapes. `stayed` is computed when it is first read.
 
         Raises
@@ -2017,12 +2147,11 @@ class Space:
         >>> import jostle
         >>> space = jostle.Space()
         >>> ids = space.add([(0, 0), (1, 0), (8, 0)], radii=1.0)
-        >>> entered, stayed, left = space.update()
-        >>> entered
+        >>> space.update().entered
         array([[0, 1]])
-        >>> space.move(2, (2, 0))
-        >>> entered, stayed, left = space.update()
-        >>> entered, stayed
+        >>> space.set(2, positions=(2, 0))
+        >>> events = space.update()
+        >>> events.entered, events.stayed
         (array([[1, 2]]), array([[0, 1]]))
         """
     def pairs(
@@ -2069,689 +2198,6 @@ class Space:
         >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
         >>> space.pairs()
         array([[1, 2]])
-        """
-    @overload
-    def query_rect(
-        self,
-        rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box,
-        *,
-        mask: SupportsIndex | None = None,
-    ) -> _Ids:
-        """Find the shapes that overlap a rectangle, or each of many.
-
-        Parameters
-        ----------
-        rect : array_like, shape (4,) or (k, 4)
-            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
-            `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
-            `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
-            in a list.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Ids, ascending; for many rectangles a `Hits`. A shape that only touches
-            a rectangle does not overlap it.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a minimum is above its maximum, or there are more
-            than 134217728 ids.
-
-        See Also
-        --------
-        query_circle, query_polygon : Other regions.
-        query_point : The shapes that contain a point.
-
-        Notes
-        -----
-        Queries are converted to the space's dtype; the result is that of brute force in this
-        arithmetic. Many queries in one call use all threads of the space. A shape without
-        categories (0) is found only if no mask is given.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> space.query_rect((2.5, -1, 9, 1))
-        array([1, 2])
-        >>> hits = space.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
-        >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
-        array([1, 2])
-        """
-    @overload
-    def query_rect(
-        self,
-        rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array],
-        *,
-        mask: SupportsIndex | None = None,
-    ) -> Hits: ...
-    @overload
-    def query_rect(self, rect: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
-    @overload
-    def query_rect(
-        self, rect: _Undecided, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits | Any: ...
-    @overload
-    def query_circle(
-        self, center: _Point, radius: _Real, *, mask: SupportsIndex | None = None
-    ) -> _Ids:
-        """Find the shapes that overlap a disc, or each of many.
-
-        Parameters
-        ----------
-        center : array_like, shape (2,) or (k, 2)
-            Centres.
-        radius : array_like, a number or shape (k,)
-            Radii. With one centre and many radii, all discs have that centre.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Ids, ascending; for many discs a `Hits`. A shape that only touches
-            a disc does not overlap it.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a radius is out of range, or there are more than
-            134217728 ids.
-
-        See Also
-        --------
-        query_rect, query_polygon : Other regions.
-        nearest : The shapes nearest to a point, with distances.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> space.query_circle((1, 0), 1.5)
-        array([0, 1])
-        """
-    @overload
-    def query_circle(
-        self, center: _Points, radius: _Real | _Reals, *, mask: SupportsIndex | None = None
-    ) -> Hits: ...
-    @overload
-    def query_circle(
-        self, center: _OneOrMorePoints, radius: _Reals, *, mask: SupportsIndex | None = None
-    ) -> Hits: ...
-    @overload
-    def query_circle(
-        self, center: Sequence[_Real], radius: _Real, *, mask: SupportsIndex | None = None
-    ) -> _Ids: ...
-    @overload
-    def query_circle(
-        self,
-        center: _AnyPoint | _Undecided,
-        radius: _Real | _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-    ) -> _Ids | Hits | Any: ...
-    @overload
-    def query_point(self, point: _Point, *, mask: SupportsIndex | None = None) -> _Ids:
-        """Find the shapes that contain a point, or each of many points.
-
-        A circle or a rounded box contains its edge. A rectangle contains its left and its
-        upper edge, but not the right and the lower, as in pygame, so tiles side by side
-        share no point. A rectangle of width and height 0 is a circle of radius 0.
-
-        Parameters
-        ----------
-        point : array_like, shape (2,) or (k, 2)
-            Points.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Ids, ascending; for many points a `Hits`.
-
-        Raises
-        ------
-        ValueError
-            If a coordinate is not finite, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        query_circle : The shapes near a point.
-        nearest : The shapes nearest to a point.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
-        >>> space.query_point((1.0, 0.2))
-        array([1])
-        """
-    @overload
-    def query_point(self, point: _Points, *, mask: SupportsIndex | None = None) -> Hits: ...
-    @overload
-    def query_point(self, point: Sequence[_Real], *, mask: SupportsIndex | None = None) -> _Ids: ...
-    @overload
-    def query_point(
-        self, point: _Undecided, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits | Any: ...
-    @overload
-    def query_polygon(
-        self, vertices: _Array | Sequence[_Point], *, mask: SupportsIndex | None = None
-    ) -> _Ids:
-        """Find the shapes that overlap a convex polygon, or each of many.
-
-        Parameters
-        ----------
-        vertices : array_like, shape (v, 2) or (k, v, 2)
-            Corners in order, clockwise or counterclockwise.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        ndarray of int64, shape (m,), or Hits
-            Ids, ascending; for many polygons a `Hits`. A shape that only touches
-            a polygon does not overlap it.
-
-        Raises
-        ------
-        ValueError
-            If a polygon has fewer than three corners, is not convex or has no area, if a
-            coordinate is not finite, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        query_rect, query_circle : Other regions.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> space.query_polygon([(1, 2), (5, 0.5), (5, 2)])
-        array([2])
-        """
-    @overload
-    def query_polygon(
-        self, vertices: Sequence[_Points], *, mask: SupportsIndex | None = None
-    ) -> Hits: ...
-    @overload
-    def query_polygon(
-        self, vertices: Sequence[Sequence[_Real]], *, mask: SupportsIndex | None = None
-    ) -> _Ids: ...
-    @overload
-    def query_polygon(
-        self, vertices: _Undecided, *, mask: SupportsIndex | None = None
-    ) -> _Ids | Hits | Any: ...
-    def nearest(
-        self,
-        point: _OneOrMorePoints,
-        k: SupportsIndex = 1,
-        *,
-        max_distance: _Number | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> Neighbors:
-        """Find the shapes nearest to a point, or to each of many.
-
-        Parameters
-        ----------
-        point : array_like, shape (2,) or (n, 2)
-            Points.
-        k : int, default 1
-            Number of shapes to find.
-        max_distance : array_like, a number or shape (n,), default inf
-            Ignore shapes farther than this, in units of length.
-        mask : int, optional
-            Find only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        Neighbors
-            Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
-            (:meth:`raycast` returns the id first).
-
-            distances : ndarray of the space's dtype, shape (k,) or (n, k)
-                Distances to the surfaces, nearest first; 0 inside a shape, infinity if
-                fewer than k are found.
-            ids : ndarray of int64, shape (k,) or (n, k)
-                Ids, the smaller first at equal distances; -1 if fewer than k are
-                found; remove those before you use them as an index.
-
-        Raises
-        ------
-        ValueError
-            If a coordinate is not finite, k is less than 1, k times the number of points is
-            more than 134217728, or `max_distance` is negative.
-
-        See Also
-        --------
-        query_circle : All shapes within a distance.
-        raycast : The first shape in a direction.
-
-        References
-        ----------
-        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> distances, ids = space.nearest((2, 0), k=2)
-        >>> distances, ids
-        (array([0., 1.]), array([1, 0]))
-        """
-    @overload
-    def raycast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit:
-        """Find the first shape that a ray hits, or each of many rays.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of each ray.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of each ray, of any length except 0. One origin may have many
-            directions, and many origins one direction.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum length of each ray, in units of length. With a period it must be given, and
-            be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits; other shapes are ignored.
-
-        Returns
-        -------
-        RayHit or RayHits
-            Unpacks as ``id, distance``, in this order (:meth:`nearest` returns distances
-            first); for many rays, arrays of both. At equal distances the smaller id; -1 and
-            infinity if nothing is hit, so test the id before you use it as an index. The
-            distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-            touches an edge hits it. The attribute `normal`, or `normals`, holds unit vectors
-            that point away from the shape where it is hit; (0, 0) if a ray starts in it.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
-
-        See Also
-        --------
-        circle_cast : The first shape that a moving disc hits.
-        nearest : The nearest shape in any direction.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> space.raycast((-4, 0), (1, 0))
-        RayHit(id=0, distance=3.0)
-        >>> space.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
-        RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
-        """
-    @overload
-    def raycast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def raycast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def raycast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
-    @overload
-    def raycast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits | Any: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        radius: _Real,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit:
-        """Find the first shape that a moving disc hits, or each of many discs.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of the centre of each disc.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of the motion, of any length except 0.
-        radius : array_like, a number or shape (k,)
-            Radii of the discs.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum distance of each motion, in units of length. With a period it must be given,
-            and be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits; other shapes are ignored.
-
-        Returns
-        -------
-        RayHit or RayHits
-            The id and the distance of the motion until the hit, as from :meth:`raycast`.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), a radius is out of range, or
-            `max_distance` is negative.
-
-        See Also
-        --------
-        raycast : The same for a point.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> space.circle_cast((-4, 0.5), (1, 0), radius=0.5)
-        RayHit(id=0, distance=2.585786437626905)
-        """
-    @overload
-    def circle_cast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        radius: _Real | _Reals,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        radius: _Real | _Reals,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _OneOrMorePoints,
-        radius: _Reals,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        radius: _Real,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
-    @overload
-    def circle_cast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        radius: _Real | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits | Any: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits:
-        """Find every shape that a ray hits, nearest first, or that each of many rays hits.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of each ray.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of each ray, of any length except 0.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum length of each ray, in units of length. With a period it must be given, and
-            be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits.
-
-        Returns
-        -------
-        RayHits or RayHitLists
-            Unpacks as ``ids, distances``: all hits of one ray, each shape once, at equal
-            distances the smaller id first. For many rays, ``offsets, ids, distances, normals``.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
-            there are more than 134217728 hits.
-
-        See Also
-        --------
-        raycast : The first shape alone.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> ids, distances = space.raycast_all((-4, 0), (1, 0), max_distance=6)
-        >>> ids, distances
-        (array([0, 1]), array([3., 6.]))
-        """
-    @overload
-    def raycast_all(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHitLists: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHitLists: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def raycast_all(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits | RayHitLists | Any: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        half_size: _Real | _Point,
-        radius: _Real = 0.0,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit:
-        """Find the first shape that a moving box hits, or each of many boxes.
-
-        Parameters
-        ----------
-        origin : array_like, shape (2,) or (k, 2)
-            Start of the centre of each box.
-        direction : array_like, shape (2,) or (k, 2)
-            Direction of the motion, of any length except 0.
-        half_size : array_like, a number, shape (2,) or (k, 2)
-            Half widths and half heights of the boxes.
-        radius : array_like, a number or shape (k,), default 0.0
-            Distance by which the boxes extend beyond their cores, as for other shapes.
-        max_distance : array_like, a number or shape (k,), default inf
-            Maximum distance of each motion, in units of length. With a period it must be given,
-            and be at most 1024 periods.
-        mask : int, optional
-            Hit only shapes with a category in this set of bits; other shapes are ignored.
-
-        Returns
-        -------
-        RayHit or RayHits
-            The id and the distance of the motion until the hit, as from :meth:`raycast`.
-
-        Raises
-        ------
-        ValueError
-            If a number is not finite, a direction is (0, 0), a size is out of range, or
-            `max_distance` is negative.
-
-        See Also
-        --------
-        circle_cast : The same for a disc.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> hit = space.box_cast((-4, 0.5), (1, 0), half_size=0.5)
-        >>> hit, hit.normal
-        (RayHit(id=0, distance=2.5), (-1.0, 0.0))
-        """
-    @overload
-    def box_cast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        half_size: _Real | _OneOrMorePoints,
-        radius: _Real | _Reals = 0.0,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        half_size: _Real | _OneOrMorePoints,
-        radius: _Real | _Reals = 0.0,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        half_size: _Real | _AnyPoint,
-        radius: _Real = 0.0,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
-    @overload
-    def box_cast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        half_size: _Real | _OneOrMorePoints | _Undecided,
-        radius: _Real | _Reals | _Undecided = 0.0,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-    ) -> RayHit | RayHits | Any: ...
-    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits:
-        """Find the neighbours of every shape within a distance.
-
-        Parameters
-        ----------
-        distance : float
-            Shapes are neighbours if the gap between their surfaces is below this, in units of
-            length; each radius is increased by half of it.
-        mask : int, optional
-            Find only neighbours of which both have a category in this set of bits.
-
-        Returns
-        -------
-        Hits
-            Compressed sparse rows: ``ids[offsets[i]:offsets[i + 1]]`` are the ids of the
-            neighbours of shape i, ascending, itself left out; i counts the shapes in ascending id.
-
-        Raises
-        ------
-        ValueError
-            If `distance` is negative or out of range, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        pairs : All pairs within a distance.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (4, 0)])
-        >>> space.neighbors(3.5).lists()
-        [array([1]), array([0, 2]), array([1])]
         """
     def contacts(
         self,
@@ -2803,175 +2249,6 @@ class Space:
         >>> space.contacts()
         Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
         """
-    def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
-        """Return centres; ``(min + max) / 2`` for shapes given as boxes.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,), optional
-            The shapes; if omitted all of them, in the order of `ids`.
-
-        Returns
-        -------
-        ndarray of the space's dtype, shape (k, 2), or (2,) for one id
-            A copy.
-
-        Raises
-        ------
-        ValueError
-            If an id does not exist.
-
-        See Also
-        --------
-        boxes : Sides instead of centres.
-        half_sizes, radii : The sizes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 4)])
-        >>> space.centers(1)
-        array([3., 4.])
-        """
-    def half_sizes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
-        """Return half widths and half heights; 0 for circles, ``(max - min) / 2`` for shapes given as
-        boxes.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,), optional
-            The shapes; if omitted all of them.
-
-        Returns
-        -------
-        ndarray of the space's dtype, shape (k, 2), or (2,) for one id
-            A copy.
-
-        Raises
-        ------
-        ValueError
-            If an id does not exist.
-
-        See Also
-        --------
-        boxes : Sides, without rounding.
-        radii : The radii.
-        """
-    def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
-        """Return boxes: the sides of the shapes without their radii.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,), optional
-            The shapes; if omitted all of them.
-
-        Returns
-        -------
-        ndarray of the space's dtype, shape (k, 4), or (4,) for one id
-            A copy: min_x, min_y, max_x, max_y, as they were given, or ``center ± half_size``;
-            for a circle its centre as both corners.
-
-        Raises
-        ------
-        ValueError
-            If an id does not exist.
-
-        See Also
-        --------
-        centers, half_sizes : The same as centres and half sizes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add(boxes=[(0, 0, 0.1, 0.1), (0.1, 0, 0.2, 0.1)])
-        >>> space.boxes(1)
-        array([0.1, 0. , 0.2, 0.1])
-        """
-    @overload
-    def radii(self, ids: _Id) -> float:
-        """Return radii.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,), optional
-            The shapes; if omitted all of them.
-
-        Returns
-        -------
-        ndarray of the space's dtype, shape (k,), or float for one id
-            A copy.
-
-        Raises
-        ------
-        ValueError
-            If an id does not exist.
-
-        See Also
-        --------
-        half_sizes : Half widths and half heights.
-        """
-    @overload
-    def radii(self, ids: _IdList | None = None) -> NDArray[np.floating[Any]]: ...
-    @overload
-    def radii(self, ids: _Undecided) -> float | NDArray[np.floating[Any]] | Any: ...
-    @overload
-    def categories(self, ids: _Id) -> int:
-        """Return categories.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,), optional
-            The shapes; if omitted all of them.
-
-        Returns
-        -------
-        ndarray of uint32, shape (k,), or int for one id
-            A copy.
-
-        Raises
-        ------
-        ValueError
-            If an id does not exist.
-
-        See Also
-        --------
-        masks : The categories that each shape may pair with.
-        set_filter : Change them.
-        """
-    @overload
-    def categories(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
-    @overload
-    def categories(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
-    @overload
-    def masks(self, ids: _Id) -> int:
-        """Return masks.
-
-        Parameters
-        ----------
-        ids : int or array_like of int, shape (k,), optional
-            The shapes; if omitted all of them.
-
-        Returns
-        -------
-        ndarray of uint32, shape (k,), or int for one id
-            A copy.
-
-        Raises
-        ------
-        ValueError
-            If an id does not exist.
-
-        See Also
-        --------
-        categories : The categories of each shape.
-        set_filter : Change them.
-        """
-    @overload
-    def masks(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
-    @overload
-    def masks(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
     @property
     def walls(self) -> NDArray[np.floating[Any]]:
         """Walls: ndarray of the space's precision, shape (m, 2, 2), a read-only copy of the ends of
@@ -3008,7 +2285,7 @@ class Space:
     def walls(self, value: ArrayLike | None) -> None: ...
     @property
     def ids(self) -> _Ids:
-        """The ids of all shapes, ascending: ndarray of int64, shape (n,)."""
+        """The ids of all shapes, in the order of adding: ndarray of int64, shape (n,), a read-only copy."""
     @property
     def dtype(self) -> Literal["float32", "float64"]:
         """The precision of its arithmetic: "float32" or "float64"."""
@@ -3026,9 +2303,8 @@ class Events:
     """Changes of the overlapping pairs of a space between two updates.
 
     Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
-    Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
-    for every pair in the space; to avoid it, read the other attributes by name. Unpacking, copying and
-    pickling read it too, so after the next update they are errors unless it was read before.
+    `stayed` takes time for every pair in the space, when it is first read. Copying and pickling read it
+    too, so after the next update they are errors unless it was read before.
 
     See Also
     --------
@@ -3042,7 +2318,7 @@ class Events:
     >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
     >>> events = space.update()
     >>> events
-    <jostle.Events: 1 entered, 0 left>
+    <jostle.Events: 1 entered, 0 exited>
     >>> events.entered
     array([[0, 1]])
     """
@@ -3058,12 +2334,11 @@ class Events:
         space; afterwards there is a RuntimeError.
         """
     @property
-    def left(self) -> _Pairs:
+    def exited(self) -> _Pairs:
         """Pairs that overlapped at the previous update and do not now, also because a shape was
         removed: ndarray of int64, shape (m, 2).
         """
     def __reduce__(self) -> tuple[Any, ...]: ...
-    def __iter__(self) -> Iterator[_Pairs]: ...
 
 @final
 class World:
@@ -3587,12 +2862,12 @@ class World:
 
         Parameters
         ----------
-        ids : int or array_like of int, shape (k,)
+        ids : int or array_like of int, of any shape
             The particles.
 
         Returns
         -------
-        ndarray of int64, shape (k,), or int
+        ndarray of int64 of the same shape, or int
             Their rows, until a particle before them is removed or merges; one row for one id.
 
         Raises
@@ -3619,7 +2894,7 @@ class World:
     @overload
     def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
     @overload
-    def read(self, ids: _Id) -> WorldParticle:
+    def read(self, ids: _Id) -> Particle:
         """Read all columns of one particle or some, without those of the others.
 
         Parameters
@@ -3629,7 +2904,7 @@ class World:
 
         Returns
         -------
-        WorldParticles or WorldParticle
+        Particles or Particle
             Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
             `add` and `set`, with a row for each id; single values for one id, those of float32 as the
             float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
@@ -3659,14 +2934,14 @@ class World:
 
         A copy of particle 1, in another place:
 
-        >>> copy = world.read(1)._replace(positions=(9, 0))
-        >>> world.add(**copy._asdict())
+        >>> copy = world.read(1).to_dict() | {"positions": (9, 0)}
+        >>> world.add(**copy)
         2
         """
     @overload
-    def read(self, ids: _IdList) -> WorldParticles: ...
+    def read(self, ids: _IdList) -> Particles: ...
     @overload
-    def read(self, ids: _Undecided) -> WorldParticle | WorldParticles | Any: ...
+    def read(self, ids: _Undecided) -> Particle | Particles | Any: ...
     @property
     def positions(self) -> NDArray[np.float32]:
         """Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
@@ -3882,7 +3157,7 @@ class World:
         >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
         >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
         >>> world.step(1 / 60)
-        >>> world.events.entered, world.events.left
+        >>> world.events.entered, world.events.exited
         (array([[0, 1]]), array([[0, 1]]))
         >>> world.velocities[0]
         array([900.,   0.], dtype=float32)
@@ -4250,11 +3525,11 @@ class World:
         ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
         ... )
         >>> world.step(2.0)  # 0 hits 1, which flies on
-        >>> world.events.entered, world.events.left
+        >>> world.events.entered, world.events.exited
         (array([[0, 1]]), array([[0, 1]]))
         >>> world.step(2.0)  # 1 touches 2 after 4 seconds
-        >>> entered, stayed, left = world.events
-        >>> entered, len(stayed), len(left)
+        >>> events = world.events
+        >>> events.entered, len(events.stayed), len(events.exited)
         (array([[1, 2]]), 0, 0)
         """
     @property

@@ -518,8 +518,7 @@ class PhysicsEngineSimple:
         """Move the player by its velocity."""
         player = self.player_sprite
         place = _centered(player)
-        self._space.move(self._player, place["centers"])
-        self._space.resize(self._player, half_sizes=place["half_sizes"])
+        self._space.set(self._player, positions=place["positions"], half_sizes=place["half_sizes"])
         slide = self._space.move_and_slide(
             self._player, (player.change_x, player.change_y), mask=_WALL, up=self._up
         )
@@ -639,7 +638,9 @@ class PhysicsEnginePlatformer(PhysicsEngineSimple):
             for axis, low, high in (("x", "left", "right"), ("y", "bottom", "top")):
                 _turn(platform, axis, low, high)
         if self._moving:
-            self._space.move(self._moving_ids, [sprite.position for sprite in self._moving])
+            self._space.set(
+                self._moving_ids, positions=[sprite.position for sprite in self._moving]
+            )
 
 
 _WALL, _PLAYER = 1, 2
@@ -680,4 +681,4 @@ def _sides(sprites: list[Any]) -> _Floats:
 def _centered(sprite: Any) -> dict[str, Any]:
     """The bounding box of a hit box as centre and half size."""
     sides = _sides([sprite])[0]
-    return {"centers": (sides[:2] + sides[2:]) / 2, "half_sizes": (sides[2:] - sides[:2]) / 2}
+    return {"positions": (sides[:2] + sides[2:]) / 2, "half_sizes": (sides[2:] - sides[:2]) / 2}

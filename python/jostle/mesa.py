@@ -212,9 +212,9 @@ class ContinuousSpace(_MesaSpace):
             self._moved.clear()
             if len(rows) == 1 and not self._outside and self._contains(self._numbers(rows[0])):
                 x, y = self._numbers(rows[0])
-                self._shapes.move(rows[0], (x - self._low[0], y - self._low[1]))
+                self._shapes.set(rows[0], positions=(x - self._low[0], y - self._low[1]))
             elif rows:
-                self._shapes.move(rows, self._inside(rows))
+                self._shapes.set(rows, positions=self._inside(rows))
         if self._added < self._n_agents:
             new = range(self._added, self._n_agents)
             self._shapes.add(self._inside(list(new)))

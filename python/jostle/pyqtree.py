@@ -368,8 +368,9 @@ class _Built:
     def touching_each(self, boxes: list[_Floats]) -> list[list[int]]:
         """Return, for each of many boxes, the numbers of the boxes that overlap or touch it."""
         queries = np.array(boxes, np.float64).reshape(-1, 4)
-        offsets, rows = self.tree.query_rect(queries)
-        fits = _touches(self.corners[rows], queries.repeat(np.diff(offsets), axis=0))
+        found = self.tree.query_rect(queries)
+        rows, offsets = found.ids, found.offsets
+        fits = _touches(self.corners[rows], queries.repeat(found.counts, axis=0))
         numbers = self.numbers[rows[fits]].tolist()
         ends = np.append(0, np.cumsum(fits))[offsets].tolist()
         return [numbers[start:end] for start, end in pairwise(ends)]

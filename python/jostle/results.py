@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import operator
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NoReturn, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from typing_extensions import Self, dataclass_transform
+else:
+
+    def dataclass_transform(**_):
+        """Return a decorator that does nothing: only type checkers read it."""
+        return lambda kind: kind
+
+
 __all__ = [
     "Contacts",
     "GaltonBoard",
-    "Hits",
+    "IdLists",
     "Neighbors",
     "Nodes",
     "Nozzle",
+    "Particle",
+    "Particles",
     "RayHit",
     "RayHitLists",
     "RayHits",
     "Separated",
+    "Shape",
+    "Shapes",
     "Slide",
     "Slides",
     "Stats",
@@ -25,12 +40,80 @@ __all__ = [
     "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
-    "WorldParticle",
-    "WorldParticles",
 ]
 
 
-class Contacts(NamedTuple):
+_set = object.__setattr__
+
+
+@dataclass_transform(frozen_default=True)
+class _Result:
+    """Base of the results: the fields of `__slots__`, in this order, which cannot be changed."""
+
+    # `dataclasses` would do the same, but it takes a third of the time of `import jostle`.
+    __slots__: tuple[str, ...] = ()
+
+    if not TYPE_CHECKING:  # a type checker derives the arguments from the fields
+
+        def __init__(self, *args, **kwargs):
+            names = self.__slots__
+            if kwargs:
+                args += tuple(kwargs.pop(name) for name in names[len(args) :] if name in kwargs)
+            if kwargs or len(args) != len(names):
+                raise TypeError(f"{type(self).__name__} has the fields {', '.join(names)}")
+            for name, value in zip(names, args, strict=True):
+                _set(self, name, value)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        """Refuse to change a field."""
+        raise AttributeError(f"a field of {type(self).__name__} cannot be changed: {name}")
+
+    def __delattr__(self, name: str) -> NoReturn:
+        """Refuse to delete a field."""
+        raise AttributeError(f"a field of {type(self).__name__} cannot be deleted: {name}")
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other is of the same class and has equal fields."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(_same(getattr(self, name), getattr(other, name)) for name in self.__slots__)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields by their names, for instance as arguments of `add` or `set`.
+
+        Returns
+        -------
+        dict
+            A new one, with the values that the fields have.
+        """
+        return {name: getattr(self, name) for name in self.__slots__}
+
+    def __reduce__(self) -> tuple[type[Self], tuple[Any, ...]]:
+        """Return the class and the values of the fields, for pickle and copy."""
+        return type(self), tuple(getattr(self, name) for name in self.__slots__)
+
+    def __repr__(self) -> str:
+        """Return the class with its fields."""
+        fields = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.__slots__)
+        return f"{type(self).__name__}({fields})"
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two fields are equal; NaN, which stands for no value, equals itself."""
+    return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
+
+
+def _span(offsets: NDArray[np.int64], index: SupportsIndex) -> slice:
+    """Return where the list with an index begins and ends."""
+    nth, count = operator.index(index), len(offsets) - 1
+    if not -count <= nth < count:
+        raise IndexError(f"list {nth} of {count} lists")
+    return slice(int(offsets[nth % count]), int(offsets[nth % count + 1]))
+
+
+class Contacts(_Result):
     """Pairs that overlap, with normals and depths.
 
     Attributes
@@ -48,82 +131,98 @@ class Contacts(NamedTuple):
     WorldContacts : The contacts of particles, with impulses.
     """
 
+    __slots__ = ("pairs", "normals", "depths")
+
     pairs: NDArray[np.int64]
     normals: NDArray[np.floating[Any]]
     depths: NDArray[np.floating[Any]]
 
 
-class Hits(NamedTuple):
-    """Ids for each of many queries, concatenated.
+class IdLists(_Result):
+    """A list of ids for each of many queries, or for each shape.
 
-    The ids of query q are ``ids[offsets[q]:offsets[q + 1]]``, ascending;
-    ``np.diff(offsets)`` counts them, `lists` splits them.
+    It is a sequence: ``lists[q]`` is the array of ids of query q, and a loop visits these arrays in
+    order.
 
     Attributes
     ----------
-    offsets : ndarray of int64, shape (k + 1,)
-        Index of the first id of each query; the last is the total number of ids.
     ids : ndarray of int64, shape (m,)
-        Ids of shapes.
+        The ids of all queries, one list after the other.
+    offsets : ndarray of int64, shape (k + 1,)
+        Those of query q are ``ids[offsets[q]:offsets[q + 1]]``.
 
     See Also
     --------
     jostle.Quadtree.query_rect : Returns it for many rectangles.
+    jostle.Quadtree.neighbors : Returns it for all shapes.
+
+    Examples
+    --------
+    >>> import jostle
+    >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    >>> lists = tree.query_circle([(0, 0), (3.5, 0), (9, 9)], 1.0)
+    >>> lists[1], len(lists), lists.counts
+    (array([1, 2]), 3, array([1, 2, 0]))
+
+    The sum of a value over the ids of each query:
+
+    >>> masses, total = np.array([1.0, 5.0, 7.0]), np.zeros(len(lists))
+    >>> np.add.at(total, lists.queries, masses[lists.ids])
+    >>> total
+    array([ 1., 12.,  0.])
     """
 
-    offsets: NDArray[np.int64]
+    __slots__ = ("ids", "offsets")
+
     ids: NDArray[np.int64]
+    offsets: NDArray[np.int64]
 
-    def lists(self) -> list[NDArray[np.int64]]:
-        """Split the ids by query.
+    def __len__(self) -> int:
+        """Return the number of queries."""
+        return len(self.offsets) - 1
 
-        Returns
-        -------
-        list of ndarray of int64
-            The ids of each query, ascending; views of `ids`.
+    def __getitem__(self, query: SupportsIndex) -> NDArray[np.int64]:
+        """Return the ids of a query; a negative index counts from the end."""
+        return self.ids[_span(self.offsets, query)]
 
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_circle([(0, 0), (3.5, 0), (9, 9)], 1.0).lists()
-        [array([0]), array([1, 2]), array([], dtype=int64)]
-        """
-        return np.split(self.ids, self.offsets[1:])[:-1]
+    def __iter__(self) -> Iterator[NDArray[np.int64]]:
+        """Yield the ids of each query."""
+        return map(self.__getitem__, range(len(self)))
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """The number of ids of each query, an array of int64 of shape (k,)."""
+        return np.diff(self.offsets)
+
+    @property
+    def queries(self) -> NDArray[np.int64]:
+        """The query of each id, an array of int64 of shape (m,)."""
+        return np.repeat(np.arange(len(self)), self.counts)
 
 
-class Neighbors(NamedTuple):
+class Neighbors(_Result):
     """The shapes nearest to a point, or to each of many.
-
-    It unpacks as ``distances, ids``, like the result of SciPy's `cKDTree.query`. A `RayHit` has
-    the id first.
 
     Attributes
     ----------
-    distances : ndarray of float32 or float64, shape (k,) or (points, k)
-        Distance to each shape, nearest first; 0 inside, infinity if fewer than k are
-        found.
     ids : ndarray of int64, shape (k,) or (points, k)
-        Ids of the shapes; -1 if fewer than k are found.
+        Ids of the shapes, nearest first; -1 if fewer than k are found.
+    distances : ndarray of float32 or float64, shape (k,) or (points, k)
+        Distance to each shape; 0 inside, infinity if fewer than k are found.
 
     See Also
     --------
     jostle.Quadtree.nearest : Returns it.
     """
 
-    distances: NDArray[np.floating[Any]]
+    __slots__ = ("ids", "distances")
+
     ids: NDArray[np.int64]
+    distances: NDArray[np.floating[Any]]
 
 
-class _RayHit(NamedTuple):
-    id: int
-    distance: float
-
-
-class RayHit(_RayHit):
+class RayHit(_Result):
     """The first shape that a ray hits.
-
-    It unpacks as ``id, distance``. `Neighbors` have the distances first.
 
     Attributes
     ----------
@@ -131,9 +230,12 @@ class RayHit(_RayHit):
         Id of the shape; -1 if nothing is hit.
     distance : float
         Distance to its surface, in units of length; infinity if nothing is hit.
-    normal : tuple of float
-        Unit vector that points away from the shape where it is hit, not part of the tuple;
-        (0, 0) if nothing is hit or the ray starts in the shape.
+    point : ndarray of float32 or float64, shape (2,)
+        Where the shape is hit; NaN if nothing is hit. With a period it lies on the ray, so it may
+        be outside of the first period.
+    normal : ndarray of float32 or float64, shape (2,)
+        Unit vector that points away from the shape where it is hit; (0, 0) if nothing is hit or
+        the ray starts in the shape.
 
     See Also
     --------
@@ -145,28 +247,20 @@ class RayHit(_RayHit):
     >>> import jostle
     >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1)])
     >>> hit = tree.raycast((-2, 0.5), (1, 0))
-    >>> hit, hit.normal
-    (RayHit(id=0, distance=2.0), (-1.0, 0.0))
+    >>> hit.id, hit.point, hit.normal
+    (0, array([0. , 0.5]), array([-1.,  0.]))
     """
 
-    normal: tuple[float, float] = (0.0, 0.0)
+    __slots__ = ("id", "distance", "point", "normal")
 
-    def __new__(cls, id: int, distance: float, normal: tuple[float, float] = (0.0, 0.0)) -> RayHit:
-        """Make a hit with its normal."""
-        hit = super().__new__(cls, id, distance)
-        hit.normal = normal
-        return hit
-
-
-class _RayHits(NamedTuple):
-    ids: NDArray[np.int64]
-    distances: NDArray[np.floating[Any]]
+    id: int
+    distance: float
+    point: NDArray[np.floating[Any]]
+    normal: NDArray[np.floating[Any]]
 
 
-class RayHits(_RayHits):
+class RayHits(_Result):
     """The first shape that each of many rays hits, or all that one ray hits.
-
-    It unpacks as ``ids, distances``. `Neighbors` have the distances first.
 
     Attributes
     ----------
@@ -174,9 +268,11 @@ class RayHits(_RayHits):
         Ids of the shapes; -1 where nothing is hit.
     distances : ndarray of float32 or float64, shape (k,)
         Distances to their surfaces; infinity where nothing is hit.
+    points : ndarray of float32 or float64, shape (k, 2)
+        Where the shapes are hit; NaN where nothing is hit. With a period they lie on the rays.
     normals : ndarray of float32 or float64, shape (k, 2)
-        Unit vectors that point away from the shapes where they are hit, not part of the tuple;
-        (0, 0) where nothing is hit or a ray starts in the shape.
+        Unit vectors that point away from the shapes where they are hit; (0, 0) where nothing is
+        hit or a ray starts in the shape.
 
     See Also
     --------
@@ -184,54 +280,139 @@ class RayHits(_RayHits):
     RayHit : The result for one ray.
     """
 
+    __slots__ = ("ids", "distances", "points", "normals")
+
+    ids: NDArray[np.int64]
+    distances: NDArray[np.floating[Any]]
+    points: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
 
-    def __new__(
-        cls,
-        ids: NDArray[np.int64],
-        distances: NDArray[np.floating[Any]],
-        normals: NDArray[np.floating[Any]] | None = None,
-    ) -> RayHits:
-        """Make hits with their normals."""
-        hits = super().__new__(cls, ids, distances)
-        hits.normals = np.zeros((len(ids), 2)) if normals is None else normals
-        return hits
 
+class RayHitLists(_Result):
+    """All shapes that each of many rays hits.
 
-class RayHitLists(NamedTuple):
-    """All shapes that each of many rays hits, concatenated.
-
-    The hits of ray r are ``ids[offsets[r]:offsets[r + 1]]``, nearest first, and so are their
-    distances and normals.
+    It is a sequence: ``lists[r]`` are the `RayHits` of ray r, nearest first.
 
     Attributes
     ----------
-    offsets : ndarray of int64, shape (k + 1,)
-        Index of the first hit of each ray; the last is the total number of hits.
     ids : ndarray of int64, shape (m,)
-        Ids of the shapes.
+        Ids of the shapes, one list after the other.
     distances : ndarray of float32 or float64, shape (m,)
         Distances to their surfaces.
+    points : ndarray of float32 or float64, shape (m, 2)
+        Where the shapes are hit. With a period they lie on the rays.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors that point away from the shapes; (0, 0) where a ray starts in the shape.
+    offsets : ndarray of int64, shape (k + 1,)
+        The hits of ray r are those from ``offsets[r]`` to ``offsets[r + 1]``.
 
     See Also
     --------
     jostle.Quadtree.raycast_all, jostle.Space.raycast_all : Return it for many rays.
     """
 
-    offsets: NDArray[np.int64]
+    __slots__ = ("ids", "distances", "points", "normals", "offsets")
+
     ids: NDArray[np.int64]
     distances: NDArray[np.floating[Any]]
+    points: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
+    offsets: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        """Return the number of rays."""
+        return len(self.offsets) - 1
+
+    def __getitem__(self, ray: SupportsIndex) -> RayHits:
+        """Return the hits of a ray; a negative index counts from the end."""
+        at = _span(self.offsets, ray)
+        return RayHits(self.ids[at], self.distances[at], self.points[at], self.normals[at])
+
+    def __iter__(self) -> Iterator[RayHits]:
+        """Yield the hits of each ray."""
+        return map(self.__getitem__, range(len(self)))
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """The number of hits of each ray, an array of int64 of shape (k,)."""
+        return np.diff(self.offsets)
+
+    @property
+    def queries(self) -> NDArray[np.int64]:
+        """The ray of each hit, an array of int64 of shape (m,)."""
+        return np.repeat(np.arange(len(self)), self.counts)
 
 
-class Separated(NamedTuple):
+class Shapes(_Result):
+    """Some shapes of a `Space`, by the names of the arguments of `Space.add` and `Space.set`.
+
+    Attributes
+    ----------
+    positions : ndarray of float32 or float64, shape (k, 2)
+        Centres; ``(min + max) / 2`` for shapes given as boxes.
+    radii : ndarray of float32 or float64, shape (k,)
+        Radii.
+    half_sizes : ndarray of float32 or float64, shape (k, 2)
+        Half widths and half heights; 0 for circles, ``(max - min) / 2`` for shapes given as boxes.
+    boxes : ndarray of float32 or float64, shape (k, 4)
+        Sides min_x, min_y, max_x, max_y without the radii, as given or ``center ± half_size``.
+    categories, masks : ndarray of uint32, shape (k,)
+        Bit sets of 32 bits.
+
+    See Also
+    --------
+    jostle.Space.get : Returns it.
+    Shape : The same of one shape.
+    """
+
+    __slots__ = ("positions", "radii", "half_sizes", "boxes", "categories", "masks")
+
+    positions: NDArray[np.floating[Any]]
+    radii: NDArray[np.floating[Any]]
+    half_sizes: NDArray[np.floating[Any]]
+    boxes: NDArray[np.floating[Any]]
+    categories: NDArray[np.uint32]
+    masks: NDArray[np.uint32]
+
+
+class Shape(_Result):
+    """One shape of a `Space`, by the names of the arguments of `Space.add` and `Space.set`.
+
+    Attributes
+    ----------
+    positions : ndarray of float32 or float64, shape (2,)
+        The centre; ``(min + max) / 2`` for a shape given as a box.
+    radii : float
+        The radius.
+    half_sizes : ndarray of float32 or float64, shape (2,)
+        Half width and half height; 0 for a circle.
+    boxes : ndarray of float32 or float64, shape (4,)
+        Sides min_x, min_y, max_x, max_y without the radius, as given or ``center ± half_size``.
+    categories, masks : int
+        Bit sets of 32 bits.
+
+    See Also
+    --------
+    jostle.Space.get : Returns it.
+    Shapes : The same of many shapes.
+    """
+
+    __slots__ = ("positions", "radii", "half_sizes", "boxes", "categories", "masks")
+
+    positions: NDArray[np.floating[Any]]
+    radii: float
+    half_sizes: NDArray[np.floating[Any]]
+    boxes: NDArray[np.floating[Any]]
+    categories: int
+    masks: int
+
+
+class Separated(_Result):
     """Centres of shapes that have been moved apart.
 
     Attributes
     ----------
-    centers : ndarray of float32 or float64, shape (n, 2)
+    positions : ndarray of float32 or float64, shape (n, 2)
         The new centres.
     rounds : int
         Number of rounds; placing along an axis counts as one.
@@ -243,12 +424,14 @@ class Separated(NamedTuple):
     jostle.separate : Returns it.
     """
 
-    centers: NDArray[np.floating[Any]]
+    __slots__ = ("positions", "rounds", "overlaps")
+
+    positions: NDArray[np.floating[Any]]
     rounds: int
     overlaps: int
 
 
-class Slide(NamedTuple):
+class Slide(_Result):
     """How one shape moved and slid along others.
 
     Attributes
@@ -274,6 +457,17 @@ class Slide(NamedTuple):
     Slides : The result for many shapes.
     """
 
+    __slots__ = (
+        "displacement",
+        "remaining",
+        "normals",
+        "on_floor",
+        "on_wall",
+        "on_ceiling",
+        "hits",
+        "floor",
+    )
+
     displacement: NDArray[np.floating[Any]]
     remaining: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
@@ -284,7 +478,7 @@ class Slide(NamedTuple):
     floor: int
 
 
-class Slides(NamedTuple):
+class Slides(_Result):
     """How many shapes moved and slid along others.
 
     Attributes
@@ -298,7 +492,7 @@ class Slides(NamedTuple):
         Unit normal of each obstacle, towards the shape that met it; in the order of ``hits.ids``.
     on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
         Whether each met a surface that faces up, sideways or down.
-    hits : Hits
+    hits : IdLists
         Ids of the obstacles of each, in the order in which it met them; -2 - k is the wall with
         the index k.
     floors : ndarray of int64, shape (k,)
@@ -310,24 +504,35 @@ class Slides(NamedTuple):
     Slide : The result for one shape.
     """
 
+    __slots__ = (
+        "displacements",
+        "remaining",
+        "normals",
+        "on_floor",
+        "on_wall",
+        "on_ceiling",
+        "hits",
+        "floors",
+    )
+
     displacements: NDArray[np.floating[Any]]
     remaining: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
     on_floor: NDArray[np.bool_]
     on_wall: NDArray[np.bool_]
     on_ceiling: NDArray[np.bool_]
-    hits: Hits
+    hits: IdLists
     floors: NDArray[np.int64]
 
 
-class Nodes(NamedTuple):
+class Nodes(_Result):
     """The boxes of a quadtree, parents before their children.
 
     Attributes
     ----------
     boxes : ndarray of float64, shape (k, 4)
         Sides min_x, min_y, max_x, max_y.
-    depths : ndarray of int64, shape (k,)
+    levels : ndarray of int64, shape (k,)
         Subdivisions above each box.
     counts : ndarray of int64, shape (k,)
         Shapes in each box and its descendants.
@@ -339,13 +544,15 @@ class Nodes(NamedTuple):
     jostle.Quadtree.nodes : Returns it.
     """
 
+    __slots__ = ("boxes", "levels", "counts", "is_leaf")
+
     boxes: NDArray[np.float64]
-    depths: NDArray[np.int64]
+    levels: NDArray[np.int64]
     counts: NDArray[np.int64]
     is_leaf: NDArray[np.bool_]
 
 
-class Stats(NamedTuple):
+class Stats(_Result):
     """Size of a quadtree and number of tests of its last query.
 
     Attributes
@@ -365,13 +572,15 @@ class Stats(NamedTuple):
     WorldStats : The same for a step of a `World`.
     """
 
+    __slots__ = ("nodes", "leaves", "depth", "tests")
+
     nodes: int
     leaves: int
     depth: int
     tests: int
 
 
-class WorldContacts(NamedTuple):
+class WorldContacts(_Result):
     """Pairs of particles that touched during the last step of a `World`.
 
     Attributes
@@ -402,6 +611,8 @@ class WorldContacts(NamedTuple):
     (array([[0, 1]]), array([1.], dtype=float32))
     """
 
+    __slots__ = ("pairs", "normals", "depths", "normal_impulses", "friction_impulses")
+
     pairs: NDArray[np.int64]
     normals: NDArray[np.float32]
     depths: NDArray[np.float32]
@@ -409,7 +620,7 @@ class WorldContacts(NamedTuple):
     friction_impulses: NDArray[np.float32]
 
 
-class WorldParticles(NamedTuple):
+class Particles(_Result):
     """Some particles of a `World`, by the names of the arguments of `World.add` and `World.set`.
 
     Attributes
@@ -432,8 +643,24 @@ class WorldParticles(NamedTuple):
     See Also
     --------
     jostle.World.read : Returns it.
-    WorldParticle : The same of one particle.
+    Particle : The same of one particle.
     """
+
+    __slots__ = (
+        "positions",
+        "velocities",
+        "radii",
+        "masses",
+        "restitutions",
+        "movable",
+        "friction",
+        "angles",
+        "angular_velocities",
+        "categories",
+        "masks",
+        "sensors",
+        "kinds",
+    )
 
     positions: NDArray[np.float32]
     velocities: NDArray[np.float32]
@@ -450,7 +677,7 @@ class WorldParticles(NamedTuple):
     kinds: NDArray[np.uint8]
 
 
-class WorldParticle(NamedTuple):
+class Particle(_Result):
     """One particle of a `World`, by the names of the arguments of `World.add` and `World.set`.
 
     Attributes
@@ -473,8 +700,24 @@ class WorldParticle(NamedTuple):
     See Also
     --------
     jostle.World.read : Returns it.
-    WorldParticles : The same of many particles.
+    Particles : The same of many particles.
     """
+
+    __slots__ = (
+        "positions",
+        "velocities",
+        "radii",
+        "masses",
+        "restitutions",
+        "movable",
+        "friction",
+        "angles",
+        "angular_velocities",
+        "categories",
+        "masks",
+        "sensors",
+        "kinds",
+    )
 
     positions: NDArray[np.float32]
     velocities: NDArray[np.float32]
@@ -491,7 +734,7 @@ class WorldParticle(NamedTuple):
     kinds: int
 
 
-class WallContacts(NamedTuple):
+class WallContacts(_Result):
     """Particles to which walls gave an impulse during the last step of a `World`.
 
     The impulses leave out what a `Thermostat` adds, and what `ThermalWalls` add along the wall.
@@ -532,6 +775,8 @@ class WallContacts(NamedTuple):
     10.0
     """
 
+    __slots__ = ("ids", "walls", "normals", "depths", "normal_impulses", "friction_impulses")
+
     ids: NDArray[np.int64]
     walls: NDArray[np.int64]
     normals: NDArray[np.float32]
@@ -540,10 +785,10 @@ class WallContacts(NamedTuple):
     friction_impulses: NDArray[np.float32]
 
 
-class WorldEvents(NamedTuple):
+class WorldEvents(_Result):
     """Pairs that began and ceased to touch in the last call of `World.step`.
 
-    It unpacks as ``entered, stayed, left``. Each array has pairs of ids i < j, sorted.
+    Each array has pairs of ids i < j, sorted.
 
     Attributes
     ----------
@@ -551,7 +796,7 @@ class WorldEvents(NamedTuple):
         Pairs that did not touch at the end of the call before, and touched in this one.
     stayed : ndarray of int64, shape (m, 2)
         Pairs that touched at the ends of both calls.
-    left : ndarray of int64, shape (m, 2)
+    exited : ndarray of int64, shape (m, 2)
         Pairs that touched at the end of the call before or in this one, and not at its end.
 
     See Also
@@ -560,12 +805,14 @@ class WorldEvents(NamedTuple):
     jostle.Events : The same for the shapes of a `Space`.
     """
 
+    __slots__ = ("entered", "stayed", "exited")
+
     entered: NDArray[np.int64]
     stayed: NDArray[np.int64]
-    left: NDArray[np.int64]
+    exited: NDArray[np.int64]
 
 
-class WorldCollisions(NamedTuple):
+class WorldCollisions(_Result):
     """Numbers of collisions in the last call of `World.step`.
 
     Attributes
@@ -580,11 +827,13 @@ class WorldCollisions(NamedTuple):
     jostle.World.collisions : Returns it.
     """
 
+    __slots__ = ("pairs", "walls")
+
     pairs: int
     walls: int
 
 
-class WorldStats(NamedTuple):
+class WorldStats(_Result):
     """Size of the quadtree of the last step of a `World`, and what the step did.
 
     Attributes
@@ -611,6 +860,8 @@ class WorldStats(NamedTuple):
     jostle.World.stats : Returns it.
     """
 
+    __slots__ = ("nodes", "leaves", "depth", "tests", "unresolved", "substeps", "collapsed")
+
     nodes: int
     leaves: int
     depth: int
@@ -620,7 +871,7 @@ class WorldStats(NamedTuple):
     collapsed: int
 
 
-class GaltonBoard(NamedTuple):
+class GaltonBoard(_Result):
     """Geometry of the board in the scene `galton`; y grows downwards.
 
     Attributes
@@ -642,6 +893,8 @@ class GaltonBoard(NamedTuple):
     jostle.scenes.galton_board : Returns it.
     """
 
+    __slots__ = ("rows", "bin_edges", "bin_top", "floor", "ball_radius")
+
     rows: int
     bin_edges: NDArray[np.float32]
     bin_top: float
@@ -649,7 +902,7 @@ class GaltonBoard(NamedTuple):
     ball_radius: float
 
 
-class Nozzle(NamedTuple):
+class Nozzle(_Result):
     """A source of drops in the scene `emitters`.
 
     Attributes
@@ -673,6 +926,8 @@ class Nozzle(NamedTuple):
     --------
     jostle.scenes.fountains : Returns a list of them.
     """
+
+    __slots__ = ("position", "velocity", "width", "spread", "radii", "density", "drops_per_second")
 
     position: tuple[float, float]
     velocity: tuple[float, float]

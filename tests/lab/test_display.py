@@ -12,6 +12,7 @@ import numpy as np
 import pygame
 import pytest
 from lab_overlays import open_screen
+from results import fields
 
 import jostle
 from jostle_lab import cli
@@ -289,7 +290,8 @@ EVERY_PART = FrameRequest(tree=True, contacts=True, energies=True)
 
 def arrays_of(record: object) -> Iterator[np.ndarray]:
     """All arrays of a frame and of its parts."""
-    for value in record if isinstance(record, tuple) else vars(record).values():
+    parts = fields(record) if isinstance(record, jostle.Nodes) else record
+    for value in parts if isinstance(parts, tuple) else vars(record).values():
         if isinstance(value, np.ndarray):
             yield value
         elif isinstance(value, (jostle.Nodes, FrameContacts)):

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oracle_queries import open_overlap, to_box, to_circle
+from results import fields
 
 import jostle
 
@@ -208,7 +209,7 @@ def test_boxes_and_other_shapes_overlap_as_in_exact_arithmetic(
 
 def test_contacts_give_the_axis_of_least_penetration_of_a_box() -> None:
     tree = jostle.Quadtree(boxes=[(0, 0, 10, 4), (1, 1, 2, 9), (9, 3.5, 20, 20)])
-    pairs, normals, depths = tree.contacts()
+    pairs, normals, depths = fields(tree.contacts())
     order = np.lexsort(pairs.T[::-1])
     assert pairs[order].tolist() == [[0, 1], [0, 2]]
     assert normals[order].tolist() == [[-1, 0], [0, 1]]
@@ -271,9 +272,9 @@ def test_queries_are_those_of_min_and_max(
 
         distances = np.maximum(np.sqrt(squares) - radii, 0)
         order = np.lexsort((np.arange(len(rows)), distances))[:5]
-        far, ids = index.nearest(point, 5)
-        assert ids[: len(order)].tolist() == order.tolist()
-        assert far[: len(order)].tolist() == distances[order].tolist()
+        near = index.nearest(point, 5)
+        assert near.ids[: len(order)].tolist() == order.tolist()
+        assert near.distances[: len(order)].tolist() == distances[order].tolist()
 
         direction = np.array((size[0] - 2, size[1] - dtype.type(1.5)), dtype)
         if not direction.any():
@@ -281,11 +282,11 @@ def test_queries_are_those_of_min_and_max(
         for thrown in (dtype.type(0), r):
             with np.errstate(all="ignore"):
                 hits = along_ray(rows, radii, point, direction, thrown)
-            hit = index.circle_cast(point, direction, thrown)
+            hit = index.shape_cast(point, direction, radii=thrown)
             if len(rows) and np.isfinite(hits).any():
-                assert hit == (int(np.argmin(hits)), hits.min())
+                assert (hit.id, hit.distance) == (int(np.argmin(hits)), hits.min())
             else:
-                assert hit == (-1, np.inf)
+                assert (hit.id, hit.distance) == (-1, np.inf)
 
 
 def polygon_overlaps(corners: list[tuple[int, int]], box: list[Fraction]) -> bool:
@@ -313,13 +314,17 @@ def test_polygons_overlap_boxes_as_in_exact_arithmetic(rows: NDArray[Any], x: in
     assert tree.query_polygon(corners[::-1]).tolist() == expected
 
 
+def id_and_distance(hit: jostle.RayHit) -> tuple[int, float]:
+    return hit.id, hit.distance
+
+
 def test_rays_hit_the_sides_of_boxes_exactly() -> None:
     tree = jostle.Quadtree(boxes=tiles(np.float64))
     edge = 3 * 0.1
-    assert tree.raycast((-1, edge), (1, 0), max_distance=2) == (60, 1.0)
+    assert id_and_distance(tree.raycast((-1, edge), (1, 0), max_distance=2)) == (60, 1.0)
     walls = jostle.Quadtree(boxes=[(0.3, -1, 0.7, 0.1)])
-    assert walls.raycast((0, 0.1), (1, 0)) == (0, 0.3)
-    assert walls.raycast((0, np.nextafter(0.1, 1)), (1, 0)) == (-1, np.inf)
+    assert id_and_distance(walls.raycast((0, 0.1), (1, 0))) == (0, 0.3)
+    assert id_and_distance(walls.raycast((0, np.nextafter(0.1, 1)), (1, 0))) == (-1, np.inf)
     assert walls.nearest((0, 0)).distances.tolist() == [0.3]
 
 
@@ -353,13 +358,13 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
             ]
             assert tree.query_point(point).tolist() == space.query_point(point).tolist() == inside
         moved = [rect.move(3, 0) for rect in rects]
-        space.move(ids, boxes=moved)
+        space.set(ids, boxes=moved)
         assert by_row(space.pairs()) == by_row(jostle.find_pairs(boxes=moved))
         one = space.add(boxes=rects[0])
         assert one == len(rects)
-        space.move(one, boxes=moved[0])
+        space.set(one, boxes=moved[0])
         sides = [moved[0].left, moved[0].top, moved[0].right, moved[0].bottom]
-        assert space.boxes(one).tolist() == sides
+        assert space.get(one).boxes.tolist() == sides
 
 
 def test_a_rect_among_rows_is_read_by_its_sides_too() -> None:
@@ -368,9 +373,9 @@ def test_a_rect_among_rows_is_read_by_its_sides_too() -> None:
     assert jostle.find_pairs(boxes=rows).tolist() == [[0, 1]]
     space = jostle.Space()
     space.add(boxes=rows)
-    assert space.boxes().tolist() == [[0, 0, 2, 2], [1, 1, 2, 2], [5, 5, 7, 7]]
+    assert space.boxes.tolist() == [[0, 0, 2, 2], [1, 1, 2, 2], [5, 5, 7, 7]]
     hits = jostle.Quadtree(boxes=rows).query_rect(rows)
-    assert [ids.tolist() for ids in hits.lists()] == [[0, 1], [0, 1], [2]]
+    assert [ids.tolist() for ids in hits] == [[0, 1], [0, 1], [2]]
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -380,50 +385,52 @@ def test_a_space_answers_for_its_boxes(dtype: Any) -> None:
     box = space.add(boxes=(0.1, 0.2, 0.4, 0.8))
     around = space.add((5, 5), half_sizes=(1, 2))
     given_box = np.array([0.1, 0.2, 0.4, 0.8], dtype)
-    assert (space.boxes(box) == given_box).all()
-    assert (space.centers(box) == (given_box[:2] + given_box[2:]) / 2).all()
-    assert (space.half_sizes(box) == (given_box[2:] - given_box[:2]) / 2).all()
-    assert space.boxes(circle).tolist() == [1, 2, 1, 2]
-    assert space.boxes([around, circle]).tolist() == [[4, 3, 6, 7], [1, 2, 1, 2]]
-    assert space.boxes().dtype == dtype and space.boxes().shape == (3, 4)
-    assert space.radii().tolist() == [0.5, 0, 0]
+    assert (space.get(box).boxes == given_box).all()
+    assert (space.get(box).positions == (given_box[:2] + given_box[2:]) / 2).all()
+    assert (space.get(box).half_sizes == (given_box[2:] - given_box[:2]) / 2).all()
+    assert space.get(circle).boxes.tolist() == [1, 2, 1, 2]
+    assert space.get([around, circle]).boxes.tolist() == [[4, 3, 6, 7], [1, 2, 1, 2]]
+    assert space.boxes.dtype == dtype and space.boxes.shape == (3, 4)
+    assert space.radii.tolist() == [0.5, 0, 0]
 
 
 def test_a_box_moves_by_boxes_and_by_centers() -> None:
     space = jostle.Space()
     left, right = space.add(boxes=[(0, 0, 0.1, 1), (0.3, 0, 0.6, 1)])
     assert len(space.update().entered) == 0
-    space.move(left, boxes=(0.2, 0, 0.3, 1))
+    space.set(left, boxes=(0.2, 0, 0.3, 1))
     assert len(space.update().entered) == 0
-    space.move([left], boxes=[(0.2, 0, np.nextafter(0.3, 1), 1)])
+    space.set([left], boxes=[(0.2, 0, np.nextafter(0.3, 1), 1)])
     assert space.update().entered.tolist() == [[left, right]]
     # At its own centre it stays a box; elsewhere it is its centre and half its size.
-    space.move(right, space.centers(right))
-    assert space.boxes(right).tolist() == [0.3, 0, 0.6, 1]
-    half = space.half_sizes(right)
-    space.move(right, (7, 0.5))
-    assert space.centers(right).tolist() == [7, 0.5]
-    assert (space.half_sizes(right) == half).all()
-    assert (space.boxes(right) == np.concatenate([(7, 0.5) - half, np.add((7, 0.5), half)])).all()
-    assert space.update().left.tolist() == [[left, right]]
+    space.set(right, positions=space.get(right).positions)
+    assert space.get(right).boxes.tolist() == [0.3, 0, 0.6, 1]
+    half = space.get(right).half_sizes
+    space.set(right, positions=(7, 0.5))
+    assert space.get(right).positions.tolist() == [7, 0.5]
+    assert (space.get(right).half_sizes == half).all()
+    assert (
+        space.get(right).boxes == np.concatenate([(7, 0.5) - half, np.add((7, 0.5), half)])
+    ).all()
+    assert space.update().exited.tolist() == [[left, right]]
     # And back again, rounded by a radius.
-    space.resize(right, radii=0.25)
-    space.move(right, boxes=(0.5, 0, 0.6, 1))
-    assert space.boxes(right).tolist() == [0.5, 0, 0.6, 1]
+    space.set(right, radii=0.25)
+    space.set(right, boxes=(0.5, 0, 0.6, 1))
+    assert space.get(right).boxes.tolist() == [0.5, 0, 0.6, 1]
     assert space.update().entered.tolist() == [[left, right]]
-    assert space.radii(right) == 0.25
+    assert space.get(right).radii == 0.25
 
 
 def test_a_box_is_resized_around_its_middle() -> None:
     space = jostle.Space()
     box = space.add(boxes=(0.1, 0.1, 0.4, 0.3))
-    space.resize(box, half_sizes=space.half_sizes(box))
-    assert space.boxes(box).tolist() == [0.1, 0.1, 0.4, 0.3]
-    space.resize(box, half_sizes=2)
-    assert space.centers(box).tolist() == [0.25, 0.2]
-    assert space.boxes(box).tolist() == [-1.75, -1.8, 2.25, 2.2]
-    space.move(box, boxes=(0.1, 0.1, 0.4, 0.3))
-    assert space.boxes(box).tolist() == [0.1, 0.1, 0.4, 0.3]
+    space.set(box, half_sizes=space.get(box).half_sizes)
+    assert space.get(box).boxes.tolist() == [0.1, 0.1, 0.4, 0.3]
+    space.set(box, half_sizes=2)
+    assert space.get(box).positions.tolist() == [0.25, 0.2]
+    assert space.get(box).boxes.tolist() == [-1.75, -1.8, 2.25, 2.2]
+    space.set(box, boxes=(0.1, 0.1, 0.4, 0.3))
+    assert space.get(box).boxes.tolist() == [0.1, 0.1, 0.4, 0.3]
 
 
 def test_a_removed_box_leaves_its_place_to_another_shape() -> None:
@@ -431,7 +438,7 @@ def test_a_removed_box_leaves_its_place_to_another_shape() -> None:
     ids = space.add(boxes=tiles(np.float64)[:10])
     space.remove(ids)
     new = space.add(np.zeros((10, 2)), 1.0)
-    assert (space.boxes(new) == 0).all() and (space.half_sizes(new) == 0).all()
+    assert (space.get(new).boxes == 0).all() and (space.get(new).half_sizes == 0).all()
     assert len(space.pairs()) == 45
 
 
@@ -461,9 +468,9 @@ def test_float32_boxes_are_compared_in_float32() -> None:
 
 ONE = [(0, 0, 1, 1)]
 WRONG = [
-    ({}, TypeError, "centers or boxes must be given"),
-    ({"half_sizes": 1}, TypeError, "centers or boxes must be given"),
-    ({"centers": [(0, 0)], "boxes": ONE}, TypeError, "leave out centers"),
+    ({}, TypeError, "positions or boxes must be given"),
+    ({"half_sizes": 1}, TypeError, "positions or boxes must be given"),
+    ({"positions": [(0, 0)], "boxes": ONE}, TypeError, "leave out positions"),
     ({"half_sizes": 1, "boxes": ONE}, TypeError, "leave out half_sizes"),
     ({"boxes": [(0, 0, 1, 1), (2, 0, 1, 1)]}, ValueError, r"boxes\[1\] is \(2, 0, 1, 1\); it must"),
     ({"boxes": [(0, 3, 1, 1)]}, ValueError, r"boxes\[0\] is \(0, 3, 1, 1\); .*no minimum above"),
@@ -474,7 +481,7 @@ WRONG = [
     ({"boxes": [("a", 0, 1, 1)]}, TypeError, "boxes must hold real numbers"),
     ({"boxes": ONE, "radii": [1, 2]}, ValueError, "radii has shape"),
     ({"boxes": ONE, "radii": -1}, ValueError, "radii is -1"),
-    ({"centers": ONE}, ValueError, "rectangles are given as boxes="),
+    ({"positions": ONE}, ValueError, "rectangles are given as boxes="),
 ]
 
 
@@ -496,21 +503,20 @@ def test_wrong_boxes_are_refused(
 def test_wrong_moves_are_refused() -> None:
     space = jostle.Space()
     ids = space.add(boxes=[(0, 0, 1, 1), (2, 0, 3, 1)])
-    before = space.boxes().tolist()
+    before = space.boxes.tolist()
     for which, arguments, error, message in [
-        (ids, {}, TypeError, "centers or boxes must be given"),
-        (ids, {"centers": [(0, 0)] * 2, "boxes": ONE * 2}, TypeError, "leave out centers"),
+        (ids, {"positions": [(0, 0)] * 2, "boxes": ONE * 2}, TypeError, "leave out positions"),
         (ids, {"boxes": ONE}, ValueError, r"boxes has shape \(1, 4\); it must be \(2, 4\)"),
         (ids, {"boxes": ONE[0]}, ValueError, r"boxes has shape \(4,\); it must be \(2, 4\)"),
         (ids, {"boxes": [ONE[0], (0, 1, 1, 0)]}, ValueError, r"boxes\[1\] is \(0, 1, 1, 0\)"),
-        (ids, {"centers": ONE * 2}, ValueError, "rectangles are given as boxes="),
+        (ids, {"positions": ONE * 2}, ValueError, "rectangles are given as boxes="),
         (0, {"boxes": (0, 1, 1, 0)}, ValueError, r"boxes is \(0, 1, 1, 0\); "),
         (0, {"boxes": ONE}, ValueError, "as there is one id"),
         ([0, 7], {"boxes": ONE * 2}, ValueError, r"ids\[1\] is 7; no shape"),
     ]:
         with pytest.raises(error, match=message):
-            space.move(which, **arguments)  # type: ignore[arg-type]
-    assert space.boxes().tolist() == before
+            space.set(which, **arguments)  # type: ignore[arg-type]
+    assert space.boxes.tolist() == before
 
 
 def test_a_container_is_a_rectangle_to_ask_about_and_no_shape() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from results import fields
 
 import jostle
 
@@ -30,13 +31,14 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
     tree, space, rng = scene
     origins, directions = rng.uniform(-12, 12, (5, 2)), rng.normal(0, 1, (5, 2))
     lengths = rng.uniform(0, 30, 5)
-    offsets, ids, distances, normals = tree.raycast_all(origins, directions, max_distance=lengths)
+    all_hits = tree.raycast_all(origins, directions, max_distance=lengths)
+    ids, distances, points, normals, offsets = fields(all_hits)
     state = tree.__getnewargs_ex__()[1]
     for row in range(5):
         expected = []
         for shape in range(len(tree)):
             alone = jostle.Quadtree(
-                state["centers"][[shape]],
+                state["positions"][[shape]],
                 state["radii"][[shape]],
                 state.get("half_sizes", np.zeros((len(tree), 2)))[[shape]],
             )
@@ -49,13 +51,13 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
         assert distances[part].tolist() == [distance for distance, _, _ in expected]
         assert normals[part].tolist() == [list(normal) for _, _, normal in expected]
         one = tree.raycast_all(origins[row], directions[row], max_distance=lengths[row])
-        assert np.array_equal(one.ids, ids[part])
-        assert np.array_equal(one.normals, normals[part])
-    of_space = space.raycast_all(origins, directions, max_distance=lengths)
-    assert all(
-        np.array_equal(*both)
-        for both in zip(of_space, (offsets, ids, distances, normals), strict=True)
-    )
+        assert (
+            one
+            == all_hits[row]
+            == jostle.RayHits(*(column[part] for column in (ids, distances, points, normals)))
+        )
+    assert space.raycast_all(origins, directions, max_distance=lengths) == all_hits
+    assert all_hits.counts.sum() == len(all_hits.queries) == len(ids)
 
 
 @settings(max_examples=100)
@@ -64,9 +66,10 @@ def test_a_box_stops_where_it_touches(scene: Any) -> None:
     tree, space, rng = scene
     origins, directions = rng.uniform(-12, 12, (5, 2)), rng.normal(0, 1, (5, 2))
     sizes = rng.uniform(0.1, 2, (5, 2))
-    hits = tree.box_cast(origins, directions, sizes, 0.25, max_distance=20.0)
+    hits = tree.shape_cast(origins, directions, half_sizes=sizes, radii=0.25, max_distance=20.0)
     assert np.array_equal(
-        space.box_cast(origins, directions, sizes, 0.25, max_distance=20).ids, hits.ids
+        space.shape_cast(origins, directions, half_sizes=sizes, radii=0.25, max_distance=20).ids,
+        hits.ids,
     )
     units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     for row in range(5):
@@ -85,11 +88,77 @@ def test_a_box_stops_where_it_touches(scene: Any) -> None:
             assert hits.normals[row] @ units[row] < 1e-6
 
 
+@settings(max_examples=100)
+@given(scenes())
+def test_points_lie_on_both_surfaces(scene: Any) -> None:
+    tree, _, rng = scene
+    origins, directions = rng.uniform(-12, 12, (8, 2)), rng.normal(0, 1, (8, 2))
+    sizes = rng.uniform(0, 2, (8, 2)) * (rng.random((8, 1)) < 0.5)
+    radii = rng.uniform(0, 1, 8) * (rng.random(8) < 0.5)
+    hits = tree.shape_cast(origins, directions, half_sizes=sizes, radii=radii)
+    units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    for row in range(8):
+        hit, point = hits.ids[row], hits.points[row]
+        assert np.isnan(point).all() == (hit < 0)
+        if hit < 0 or hits.distances[row] == 0:
+            continue
+        place = origins[row] + units[row] * hits.distances[row]
+        mover = jostle.Quadtree([place], radii[row], [sizes[row]])
+        alone = jostle.Quadtree(tree.positions[[hit]], tree.radii[[hit]], tree.half_sizes[[hit]])
+        for shape, way in ((mover, -1), (alone, 1)):
+            assert shape.nearest(tuple(point)).distances[0] == pytest.approx(0, abs=1e-9)
+            if shape.radii[0] > 0.01 or shape.half_sizes.min() > 0.01:
+                inside = point - 1e-6 * way * hits.normals[row]
+                assert shape.nearest(tuple(inside)).distances[0] < 1e-9
+    rays = tree.raycast(origins, directions)
+    there = rays.ids >= 0
+    ends = (origins + units * rays.distances[:, None])[there]
+    assert rays.points[there] == pytest.approx(ends, abs=1e-12)
+
+
+@settings(max_examples=100)
+@given(scenes(), st.integers(1, 4))
+def test_exclude_gives_the_answers_without_that_shape(scene: Any, k: int) -> None:
+    tree, space, rng = scene
+    n, count = len(tree), 6
+    points, ways = rng.uniform(-12, 12, (count, 2)), rng.normal(0, 1, (count, 2))
+    if n:
+        points[:3] = tree.positions[rng.integers(0, n, 3)]
+    out = rng.integers(-1, n, count)
+    for row in range(count):
+        kept = np.flatnonzero(np.arange(n) != out[row])
+        fewer = jostle.Quadtree(tree.positions[kept], tree.radii[kept], tree.half_sizes[kept])
+        to_kept = np.append(kept, -1)
+        for index in (tree, space):
+            options: dict[str, Any] = {"exclude": int(out[row])}
+            near, other = index.nearest(points, k, exclude=out), fewer.nearest(points, k)
+            assert near.ids[row].tolist() == to_kept[other.ids[row]].tolist()
+            assert near.distances[row].tolist() == other.distances[row].tolist()
+            one = index.nearest(tuple(points[row]), k, **options)
+            assert one.ids.tolist() == near.ids[row].tolist()
+            for query, arguments in (
+                ("query_point", (tuple(points[row]),)),
+                ("query_circle", (tuple(points[row]), 2.0)),
+                ("query_rect", ((*(points[row] - 1), *(points[row] + 2)),)),
+            ):
+                found = getattr(index, query)(*arguments, **options)
+                assert found.tolist() == kept[getattr(fewer, query)(*arguments)].tolist()
+            hits, others = index.raycast(points, ways, exclude=out), fewer.raycast(points, ways)
+            assert hits.ids[row] == to_kept[others.ids[row]]
+            assert hits.distances[row] == others.distances[row]
+            every = index.raycast_all(points, ways, exclude=out)
+            others = fewer.raycast_all(points, ways)
+            assert every[row].ids.tolist() == kept[others[row].ids].tolist()
+    if n:
+        with pytest.raises(ValueError, match=r"exclude has shape|exclude"):
+            tree.nearest(points, exclude=[0])
+
+
 def test_a_distance_for_each_query() -> None:
     tree = jostle.Quadtree([(0, 0), (10, 0)])
-    distances, ids = tree.nearest([(1, 0), (1, 0)], max_distance=[0.5, 2.0])
-    assert ids.tolist() == [[-1], [0]]
-    assert distances.tolist() == [[np.inf], [1.0]]
+    near = tree.nearest([(1, 0), (1, 0)], max_distance=[0.5, 2.0])
+    assert near.ids.tolist() == [[-1], [0]]
+    assert near.distances.tolist() == [[np.inf], [1.0]]
     hits = tree.raycast((-1, 0), (1, 0), max_distance=[0.5, 2.0])
     assert hits.ids.tolist() == [-1, 0]
     assert hits.normals.tolist() == [[0, 0], [-1, 0]] or hits.distances.tolist() == [np.inf, 1.0]
@@ -104,13 +173,13 @@ def test_contacts_between_two_trees() -> None:
     rng = np.random.default_rng(2)
     tiles = jostle.Quadtree(boxes=[(x, 0, x + 1, 1) for x in range(20)], categories=2)
     walkers = jostle.Quadtree(rng.uniform(0, (20, 2), (50, 2)), 0.3)
-    pairs, normals, depths = walkers.contacts(tiles, sort=True)
+    pairs, normals, depths = fields(walkers.contacts(tiles, sort=True))
     assert np.array_equal(pairs, walkers.pairs(tiles, sort=True))
     assert (depths > 0).all()
     # Moved by the depth along the normal, a tile only touches.
     boxes = tiles.boxes[pairs[:, 1]] + np.tile(normals * (depths[:, None] + 1e-9), 2)
     for pair, box in zip(pairs, boxes, strict=True):
-        walker = jostle.Quadtree(walkers.centers[[pair[0]]], walkers.radii[[pair[0]]])
+        walker = jostle.Quadtree(walkers.positions[[pair[0]]], walkers.radii[[pair[0]]])
         assert len(walker.pairs(jostle.Quadtree(boxes=[box]))) == 0
     assert len(walkers.contacts(tiles, mask=1).pairs) == 0
     with pytest.raises(ValueError, match="max_pairs"):

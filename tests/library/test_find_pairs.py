@@ -188,19 +188,19 @@ def test_the_input_stays_as_it_was() -> None:
 
 TWO = [(0, 0), (1, 1)]
 WRONG_VALUES = [
-    ({"centers": np.zeros((3, 3))}, "centers has shape (3, 3); it must be (n, 2)"),
-    ({"centers": [1, 2]}, "centers has shape (2,); it must be (n, 2)"),
-    ({"centers": 1.5}, "centers has shape (); it must be (n, 2)"),
-    ({"centers": np.zeros((2, 2, 2))}, "centers has shape (2, 2, 2); it must be (n, 2)"),
-    ({"centers": np.zeros((0, 3))}, "centers has shape (0, 3); it must be (n, 2)"),
-    ({"centers": [(1, 2), (3,)]}, "centers cannot be read as an array: "),
+    ({"positions": np.zeros((3, 3))}, "positions has shape (3, 3); it must be (n, 2)"),
+    ({"positions": [1, 2]}, "positions has shape (2,); it must be (n, 2)"),
+    ({"positions": 1.5}, "positions has shape (); it must be (n, 2)"),
+    ({"positions": np.zeros((2, 2, 2))}, "positions has shape (2, 2, 2); it must be (n, 2)"),
+    ({"positions": np.zeros((0, 3))}, "positions has shape (0, 3); it must be (n, 2)"),
+    ({"positions": [(1, 2), (3,)]}, "positions cannot be read as an array: "),
     ({"radii": [1, 2, 3]}, "radii has shape (3,); it must be a number or (2,)"),
     ({"radii": [[1], [2]]}, "radii has shape (2, 1); it must be a number or (2,)"),
     ({"radii": []}, "radii has shape (0,); it must be a number or (2,)"),
     ({"radii": -0.5}, "radii is -0.5; a radius must be finite and at least 0"),
     ({"radii": [0, -0.5]}, "radii[1] is -0.5; a radius must be finite and at least 0"),
     ({"radii": [0, 1e308]}, "radii[1] is 1"),
-    ({"centers": [], "radii": -1}, "radii is -1; a radius must be finite and at least 0"),
+    ({"positions": [], "radii": -1}, "radii is -1; a radius must be finite and at least 0"),
     ({"half_sizes": [1, 2, 3]}, "half_sizes has shape (3,); it must be a number, (2,) or (2, 2)"),
     ({"half_sizes": np.ones((3, 2))}, "half_sizes has shape (3, 2); it must be a number"),
     ({"half_sizes": -1}, "half_sizes is -1; a half size must be finite and at least 0"),
@@ -215,16 +215,19 @@ WRONG_VALUES = [
 ]
 WRONG_TYPES = [
     (
-        {"centers": None},
-        "centers or boxes must be given: centers of shape (n, 2), or boxes of shape (n, 4), "
+        {"positions": None},
+        "positions or boxes must be given: positions of shape (n, 2), or boxes of shape (n, 4), "
         "which are min_x, min_y, max_x, max_y",
     ),
-    ({"centers": "here"}, "centers must hold real numbers, not str"),
-    ({"centers": [("0", "1")]}, "centers must hold real numbers, not <U1"),
-    ({"centers": [(True, False)]}, "centers must hold real numbers, not bool"),
-    ({"centers": [(1j, 0)]}, "centers must hold real numbers, not complex128"),
-    ({"centers": [(None, 0)]}, "centers must hold real numbers, not object"),
-    ({"centers": np.zeros((2, 2), "M8[s]")}, "centers must hold real numbers, not datetime64[s]"),
+    ({"positions": "here"}, "positions must hold real numbers, not str"),
+    ({"positions": [("0", "1")]}, "positions must hold real numbers, not <U1"),
+    ({"positions": [(True, False)]}, "positions must hold real numbers, not bool"),
+    ({"positions": [(1j, 0)]}, "positions must hold real numbers, not complex128"),
+    ({"positions": [(None, 0)]}, "positions must hold real numbers, not object"),
+    (
+        {"positions": np.zeros((2, 2), "M8[s]")},
+        "positions must hold real numbers, not datetime64[s]",
+    ),
     ({"radii": None}, "radii must hold real numbers, not NoneType"),
     ({"radii": True}, "radii must hold real numbers, not bool"),
     ({"radii": {1, 2}}, "radii must be an ordered list or array, not set"),
@@ -247,7 +250,7 @@ WRONG_TYPES = [
 def test_wrong_arguments(error: Any, arguments: dict[str, Any], message: str) -> None:
     end = "$" if error is TypeError else ""
     with pytest.raises(error, match=f"^{re.escape(message)}{end}"):
-        jostle.find_pairs(**{"centers": TWO, **arguments})
+        jostle.find_pairs(**{"positions": TWO, **arguments})
 
 
 @given(
@@ -265,7 +268,8 @@ def test_what_is_not_finite_is_refused_by_name_and_index(
         return
     index = data.draw(st.integers(0, len(column) - 1))
     column[index if column.ndim == 1 else (index, data.draw(st.integers(0, 1)))] = value
-    with pytest.raises(ValueError, match=rf"^{name}\[{index}\] is .*; .* must be finite"):
+    argument = name.replace("centers", "positions")
+    with pytest.raises(ValueError, match=rf"^{argument}\[{index}\] is .*; .* must be finite"):
         jostle.find_pairs(*shapes._replace(**{name: column}), method=method)
 
 
@@ -302,7 +306,7 @@ def test_other_threads_run_meanwhile(method: Any) -> None:
 def test_the_defaults_of_its_signature_are_its_defaults() -> None:
     parameters = inspect.signature(jostle.find_pairs).parameters
     defaults = {name: p.default for name, p in parameters.items()}
-    assert defaults.pop("centers") is None
+    assert defaults.pop("positions") is None
     assert defaults == {
         "boxes": None, "categories": None, "masks": None, "radii": 0.0, "half_sizes": None,
         "method": "auto", "sort": False, "max_pairs": 2**27, "threads": None, "distance": 0.0,

@@ -76,7 +76,7 @@ def test_a_fork_during_a_call_of_another_thread_does_not_hang(threads: int) -> N
         assert np.array_equal(jostle.find_pairs(centers, 0.001, sort=True, threads=2), expected)
 
     def move() -> None:
-        space.move(ids, rng.random((20_000, 2)))
+        space.set(ids, positions=rng.random((20_000, 2)))
         space.update()
 
     assert forks_during(find, find) == {0}

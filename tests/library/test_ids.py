@@ -148,7 +148,8 @@ class History:
         world = self.world
         row = {int(id): row for row, id in enumerate(world.ids)}
         positions, radii = world.positions, world.radii
-        for (i, j), depth in zip(*world.contacts[:3:2], strict=True):
+        contacts = world.contacts
+        for (i, j), depth in zip(contacts.pairs, contacts.depths, strict=True):
             a, b = row[int(i)], row[int(j)]
             distance = np.hypot(*(positions[a] - positions[b]))
             assert abs(radii[a] + radii[b] - distance - depth) < 0.5

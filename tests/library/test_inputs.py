@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from results import fields
 from signals import run_child
 
 import jostle
@@ -41,9 +42,9 @@ def test_a_list_that_contains_itself_is_refused(query: Any) -> None:
 
 def test_objects_with_sides_are_rectangles() -> None:
     assert TREE.query_rect(RECT).tolist() == [0, 1]
-    assert TREE.query_rect([RECT, (8, 8, 9, 9)]).lists()[1].tolist() == [2]
+    assert TREE.query_rect([RECT, (8, 8, 9, 9)])[1].tolist() == [2]
     assert TREE.query_rect(jostle.Box(8, 8, 10, 10)).tolist() == [2]
-    assert [len(ids) for ids in TREE.query_rect([jostle.Box(8, 8, 10, 10), RECT]).lists()] == [1, 2]
+    assert [len(ids) for ids in TREE.query_rect([jostle.Box(8, 8, 10, 10), RECT])] == [1, 2]
 
 
 MANY = 5_000_000_000
@@ -53,7 +54,6 @@ INTEGERS = np.broadcast_to(1, (MANY,))
 TOO_MANY = {
     "radius": [
         lambda: TREE.query_circle((0, 0), NUMBERS),
-        lambda: TREE.circle_cast((0, 0), (1, 0), NUMBERS),
         lambda: space().query_circle((0, 0), NUMBERS),
     ],
     "direction": [lambda: TREE.raycast((0, 0), PLACES)],
@@ -64,15 +64,18 @@ TOO_MANY = {
         lambda: TREE.query_polygon(np.zeros((MANY, 0, 2))),
         lambda: TREE.query_polygon(np.broadcast_to(1.0, (MANY, 3, 2))),
     ],
-    "centers": [
+    "positions": [
         lambda: jostle.find_pairs(PLACES),
         lambda: jostle.Quadtree(PLACES),
         lambda: space().add(PLACES),
+        lambda: jostle.World(PLACES, PLACES, 1.0),
     ],
-    "radii": [lambda: jostle.find_pairs(POINTS, NUMBERS)],
+    "radii": [
+        lambda: jostle.find_pairs(POINTS, NUMBERS),
+        lambda: TREE.shape_cast((0, 0), (1, 0), radii=NUMBERS),
+    ],
     "masks": [lambda: jostle.Quadtree(POINTS, masks=INTEGERS)],
     "ids": [lambda: space().remove(INTEGERS)],
-    "positions": [lambda: jostle.World(PLACES, PLACES, 1.0)],
 }
 
 
@@ -97,6 +100,7 @@ def test_an_answer_that_does_not_fit_into_memory_is_a_memory_error() -> None:
 import resource
 import numpy as np
 import jostle
+from results import fields
 
 tree = jostle.Quadtree(np.zeros((3, 2)), 1.0)
 many = np.broadcast_to(1.0, (2_000_000_000,))
@@ -105,10 +109,10 @@ bits = np.broadcast_to(1, (2_000_000_000,))
 resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
 for name, size, call in [
     ("radius", 16, lambda: tree.query_circle((0, 0), many)),
-    ("radius", 16, lambda: tree.circle_cast((0, 0), (1, 0), many)),
+    ("radii", 16, lambda: tree.shape_cast((0, 0), (1, 0), radii=many)),
     ("direction", 16, lambda: tree.raycast((0, 0), places)),
-    ("centers", 16, lambda: jostle.find_pairs(places)),
-    ("centers", 32, lambda: jostle.Quadtree(np.broadcast_to(1.0, places.shape))),
+    ("positions", 16, lambda: jostle.find_pairs(places)),
+    ("positions", 32, lambda: jostle.Quadtree(np.broadcast_to(1.0, places.shape))),
     ("ids", 16, lambda: jostle.Space().remove(bits)),
 ]:
     try:
@@ -139,7 +143,7 @@ class Liar(np.ndarray[Any, Any]):
 def test_an_array_with_inconsistent_conversions_is_read_as_it_is(dtype: str) -> None:
     centers, radii = POINTS.astype(dtype).view(Liar), np.ones(3, dtype).view(Liar)
     assert jostle.find_pairs(centers, radii).tolist() == [[0, 1]]
-    assert TREE.query_circle(centers, radii).lists()[2].tolist() == [2]
+    assert TREE.query_circle(centers, radii)[2].tolist() == [2]
     assert TREE.nearest(centers[::2]).ids.tolist() == [[0], [2]]
     ids = np.array([2, 0]).astype(">i4").view(Liar)
     collection = space()
@@ -168,14 +172,17 @@ def test_masked_elements_are_refused() -> None:
     pieces = [np.ma.array(row) for row in POINTS] + [np.ma.masked_less([1.0, 0.0], 1)]
     zeros = np.zeros((3, 2))
     calls = {
-        "centers[2]": [lambda: jostle.find_pairs(centers), lambda: space().add(centers)],
+        "positions[2]": [
+            lambda: jostle.find_pairs(centers),
+            lambda: space().add(centers),
+            lambda: jostle.World(centers, zeros, 1.0),
+        ],
         "radii[1]": [
             lambda: jostle.Quadtree(POINTS, radii),
             lambda: jostle.World(POINTS, zeros, radii),
         ],
-        "centers[3]": [lambda: jostle.find_pairs(pieces)],
+        "positions[3]": [lambda: jostle.find_pairs(pieces)],
         "radii": [lambda: jostle.find_pairs(POINTS, np.ma.masked)],
-        "positions[2]": [lambda: jostle.World(centers, zeros, 1.0)],
         "point[2]": [lambda: TREE.nearest(centers)],
         "ids[0]": [lambda: space().remove(np.ma.array([1, 2], mask=[True, False]))],
     }
@@ -198,10 +205,10 @@ def test_an_array_without_elements_may_have_any_dtype(dtype: Any) -> None:
     nothing = np.array([], dtype)
     collection = space()
     collection.remove(nothing)
-    collection.move(nothing, nothing)
-    collection.set_filter(nothing, categories=nothing)
+    collection.set(nothing, positions=nothing)
+    collection.set(nothing, categories=nothing)
     assert len(collection) == 3
-    assert collection.centers(nothing).shape == (0, 2)
+    assert collection.get(nothing).positions.shape == (0, 2)
     assert jostle.find_pairs(nothing, nothing).shape == (0, 2)
     assert len(jostle.Quadtree(nothing, masks=nothing)) == 0
     world = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
@@ -224,7 +231,7 @@ def test_all_bits_but_some(inverted: Any) -> None:
     assert none.size == 0
     collection = jostle.Space()
     collection.add(POINTS, 1.0, masks=inverted)
-    assert collection.masks().tolist() == [0xFFFFFFFD] * 3
+    assert collection.masks.tolist() == [0xFFFFFFFD] * 3
     tree = jostle.Quadtree(POINTS, 1.0, categories=[SHIP, 1, 1 << 31], masks=inverted)
     assert tree.pairs().tolist() == []
     if np.ndim(inverted) == 0:
@@ -235,7 +242,7 @@ def test_all_bits_but_some(inverted: Any) -> None:
 def test_the_highest_bit_can_be_left_out_and_all_can() -> None:
     collection = jostle.Space()
     collection.add(POINTS, masks=[~(1 << 31), ~0xFFFFFFFF, ~0])
-    assert collection.masks().tolist() == [0x7FFFFFFF, 0, 0xFFFFFFFF]
+    assert collection.masks.tolist() == [0x7FFFFFFF, 0, 0xFFFFFFFF]
 
 
 @pytest.mark.parametrize("bits", [2**32, -(2**32) - 1, 2**64, -(2**63)])
@@ -278,7 +285,7 @@ def test_every_id_is_an_int64() -> None:
         "offsets": TREE.query_rect([(0, 0, 1, 1)]).offsets,
         "nearest": TREE.nearest((0, 0)).ids,
         "rays": TREE.raycast([(0, 0)], (1, 0)).ids,
-        "depths": boxes.depths,
+        "levels": boxes.levels,
         "counts": boxes.counts,
         "space": collection.ids,
         "space's pairs": collection.pairs(),
@@ -308,13 +315,13 @@ def test_too_many_neighbours_are_refused_with_both_numbers() -> None:
 
 def test_coincident_shapes_are_in_one_box() -> None:
     tree = jostle.Quadtree(np.full((1000, 2), 5.0))
-    boxes, depths, counts, is_leaf = tree.nodes()
+    boxes, depths, counts, is_leaf = fields(tree.nodes())
     assert len(boxes) == 1
     assert (depths.tolist(), counts.tolist(), is_leaf.tolist()) == ([0], [1000], [True])
-    assert tree.stats == (1, 1, 0, 0)
+    assert tree.stats == jostle.Stats(1, 1, 0, 0)
     apart = jostle.Quadtree(np.vstack([np.full((1000, 2), 5.0), np.zeros((3, 2))]), leaf_capacity=2)
-    boxes, depths, counts, is_leaf = apart.nodes()
+    boxes, depths, counts, is_leaf = fields(apart.nodes())
     assert sorted(counts.tolist()) == [3, 1000, 1003]
     assert len(np.unique(boxes, axis=0)) == 3
     assert depths.tolist() == [0, 1, 1]
-    assert apart.stats == (3, 2, 1, 0)
+    assert apart.stats == jostle.Stats(3, 2, 1, 0)

@@ -57,8 +57,8 @@ LONG: dict[str, Callable[[int], Callable[[], object]]] = {
         lambda tree=jostle.Quadtree(COINCIDENT, 1.0, threads=t): tree.nearest(COINCIDENT, k=1000)
     ),
     "raycast": lambda t: lambda tree=one_leaf(t, SOME): tree.raycast(SOME + 2, (-1, -1)),
-    "circle_cast": lambda t: (
-        lambda tree=one_leaf(t, SOME): tree.circle_cast(SOME + 2, (-1, -1), 1e-12)
+    "shape_cast": lambda t: (
+        lambda tree=one_leaf(t, SOME): tree.shape_cast(SOME + 2, (-1, -1), radii=1e-12)
     ),
     "update": lambda t: space_of(t).update,
     "space pairs": lambda t: space_of(t).pairs,
@@ -85,10 +85,10 @@ def test_an_interrupted_call_changes_nothing(threads: int) -> None:
         assert reaction_to_ctrl_c(call, after=0.1) < SOON
     assert tree.query_point(POINTS[7]).tolist() == [7]
     assert len(space) == len(POINTS)
-    np.testing.assert_array_equal(space.centers(), POINTS)
+    np.testing.assert_array_equal(space.positions, POINTS)
     space.remove(space.ids[2:])
-    space.move([0, 1], [(5, 5), (5, 5)])
-    space.resize([0, 1], 1.0)
+    space.set([0, 1], positions=[(5, 5), (5, 5)])
+    space.set([0, 1], radii=1.0)
     assert space.update().entered.tolist() == [[0, 1]]
     assert jostle.find_pairs(COINCIDENT[:300], 1.0, threads=threads).shape == (44_850, 2)
 
@@ -172,7 +172,7 @@ refused(space.query_circle, zeros, 1.0)
 refused(space.add, large, 1.0)
 lift_limit()
 assert len(tree) == len(space) == 4000
-space.move(ids[2:], np.arange(2.0, len(ids))[:, None] * (10, 0))
+space.set(ids[2:], positions=np.arange(2.0, len(ids))[:, None] * (10, 0))
 assert space.update().entered.tolist() == [[0, 1]]
 assert len(tree.query_point((0, 0))) == 4000
 print("fine")

@@ -21,6 +21,7 @@ from oracle import (
     pairs_within,
     uniform,
 )
+from results import fields
 
 import jostle
 
@@ -73,7 +74,7 @@ def test_a_permuted_input_permutes_the_answer_and_nothing_else(shapes: Shapes, r
     np.testing.assert_array_equal(
         np.sort(order[permuted.pairs()], axis=1), np.sort(tree.pairs(), axis=1)
     )
-    for mine, theirs in zip(tree.nodes(), permuted.nodes(), strict=True):
+    for mine, theirs in zip(fields(tree.nodes()), fields(permuted.nodes()), strict=True):
         np.testing.assert_array_equal(mine, theirs)
 
 
@@ -92,9 +93,9 @@ def test_threads_change_nothing(dtype: Any, kind: str) -> None:
     for tree in (two, eight):
         np.testing.assert_array_equal(tree.pairs(), one.pairs())
         np.testing.assert_array_equal(tree.pairs(other), one.pairs(other))
-        for mine, theirs in zip(one.contacts(), tree.contacts(), strict=True):
+        for mine, theirs in zip(fields(one.contacts()), fields(tree.contacts()), strict=True):
             np.testing.assert_array_equal(mine, theirs)
-        for mine, theirs in zip(one.nodes(), tree.nodes(), strict=True):
+        for mine, theirs in zip(fields(one.nodes()), fields(tree.nodes()), strict=True):
             np.testing.assert_array_equal(mine, theirs)
         assert tree.stats == one.stats
 
@@ -105,9 +106,9 @@ def test_an_empty_tree(nothing: Any) -> None:
     assert len(tree) == 0
     assert tree.pairs().shape == (0, 2)
     assert tree.pairs(tree).shape == (0, 2)
-    assert [part.shape for part in tree.contacts()] == [(0, 2), (0, 2), (0,)]
-    assert [part.shape for part in tree.nodes()] == [(0, 4), (0,), (0,), (0,)]
-    assert tree.stats == (0, 0, 0, 0)
+    assert [part.shape for part in fields(tree.contacts())] == [(0, 2), (0, 2), (0,)]
+    assert [part.shape for part in fields(tree.nodes())] == [(0, 4), (0,), (0,), (0,)]
+    assert tree.stats == jostle.Stats(0, 0, 0, 0)
 
 
 def test_the_tree_keeps_its_own_copy() -> None:
@@ -201,7 +202,7 @@ def test_contacts_part_the_pairs(shapes: Shapes) -> None:
     near = np.abs(shapes.centers).max(axis=1, initial=0) < 1e7
     shapes = shapes.take(np.flatnonzero(near & (shapes.radii > 1e-3) & (shapes.radii < 1e3)))
     tree = jostle.Quadtree(*shapes)
-    pairs, normals, depths = tree.contacts()
+    pairs, normals, depths = fields(tree.contacts())
     np.testing.assert_array_equal(pairs, tree.pairs())
     assert normals.dtype == depths.dtype == shapes.centers.dtype
     assert (normals.shape, depths.shape) == ((len(pairs), 2), (len(pairs),))
@@ -228,7 +229,7 @@ def test_contacts_by_hand(dtype: Any) -> None:
             shapes.append(np.array(half_sizes, dtype))
         contacts = jostle.Quadtree(*shapes).contacts()
         assert isinstance(contacts, jostle.Contacts)
-        pairs, normals, depths = contacts
+        pairs, normals, depths = fields(contacts)
         assert (pairs.dtype, depths.dtype) == (np.int64, dtype)
         assert pairs.tolist() == [[0, 1]]
         return (*normals[0].tolist(), depths.item())
@@ -284,7 +285,7 @@ def holds_one_place(shapes: Shapes, box: Any, count: int) -> bool:
 @given(any_shapes(), capacities, depths)
 def test_the_boxes_make_a_tree(shapes: Shapes, leaf_capacity: int, max_depth: int) -> None:
     tree = jostle.Quadtree(*shapes, leaf_capacity=leaf_capacity, max_depth=max_depth)
-    boxes, levels, counts, is_leaf = tree.nodes()
+    boxes, levels, counts, is_leaf = fields(tree.nodes())
     types = [part.dtype for part in (boxes, levels, counts, is_leaf)]
     assert types == [np.float64, np.int64, np.int64, np.bool_]
     n, k = len(shapes.radii), len(levels)
@@ -321,7 +322,7 @@ def test_boxes_by_hand() -> None:
     tree = jostle.Quadtree(centers, 0.1, leaf_capacity=3)
     nodes = tree.nodes()
     assert isinstance(nodes, jostle.Nodes)
-    columns = nodes.boxes.tolist(), nodes.depths, nodes.counts, nodes.is_leaf
+    columns = nodes.boxes.tolist(), nodes.levels, nodes.counts, nodes.is_leaf
     found = {(*box, level, count, leaf) for box, level, count, leaf in zip(*columns, strict=True)}
     assert found == {
         (0, 0, 8, 8, 0, 7, False),
@@ -332,7 +333,7 @@ def test_boxes_by_hand() -> None:
         (0, 0, 2, 2, 2, 3, True),
         (2, 2, 4, 4, 2, 1, True),
     }
-    assert tree.stats == (7, 5, 2, 0)
+    assert tree.stats == jostle.Stats(7, 5, 2, 0)
 
 
 @pytest.mark.parametrize("max_depth", [0, 1, 2, 5])
@@ -340,7 +341,7 @@ def test_boxes_by_hand() -> None:
 def test_max_depth_allows_so_many_subdivisions(max_depth: int, centers: Any) -> None:
     tree = jostle.Quadtree(centers, leaf_capacity=1, max_depth=max_depth)
     deepest = max_depth if len(np.unique(centers)) > 1 else 0  # coincident shapes are one box
-    assert tree.stats.depth == tree.nodes().depths.max() == deepest
+    assert tree.stats.depth == tree.nodes().levels.max() == deepest
     assert tree.stats.nodes <= (4 ** (max_depth + 1) - 1) // 3
 
 
@@ -349,11 +350,11 @@ def test_stats_are_of_the_last_call() -> None:
     nodes = tree.nodes()
     built = tree.stats
     assert isinstance(built, jostle.Stats)
-    expected = (len(nodes.depths), nodes.is_leaf.sum(), nodes.depths.max(), 0)
+    expected = jostle.Stats(len(nodes.levels), nodes.is_leaf.sum(), nodes.levels.max(), 0)
     assert built == expected
     pairs = tree.pairs()
     after = tree.stats
-    assert after[:3] == built[:3]
+    assert fields(after)[:3] == fields(built)[:3]
     assert len(pairs) < after.tests < 1000 * 999 // 2
     tree.pairs(jostle.Quadtree([(1, 1)], 0.5))
     assert tree.stats.tests < after.tests
@@ -405,8 +406,11 @@ def test_ever_smaller_steps_do_not_blow_up() -> None:
 TWO = [(0, 0), (1, 1)]
 BITS = "it must be a set of 32 bits: between 0 and 4294967295, or a negative"
 WRONG_VALUES: list[tuple[dict[str, Any], str]] = [
-    ({"centers": [(0, 0), (np.nan, 1)]}, "centers[1] is (NaN, 1); both coordinates must be finite"),
-    ({"centers": np.zeros((3, 3))}, "centers has shape (3, 3); it must be (n, 2)"),
+    (
+        {"positions": [(0, 0), (np.nan, 1)]},
+        "positions[1] is (NaN, 1); both coordinates must be finite",
+    ),
+    ({"positions": np.zeros((3, 3))}, "positions has shape (3, 3); it must be (n, 2)"),
     ({"radii": [1, -1]}, "radii[1] is -1; a radius must be finite and at least 0"),
     ({"half_sizes": np.ones((1, 2))}, "half_sizes has shape (1, 2); it must be a number, (2,) or"),
     ({"categories": 2**32}, f"categories is 4294967296; {BITS}"),
@@ -421,7 +425,7 @@ WRONG_VALUES: list[tuple[dict[str, Any], str]] = [
     ({"threads": 0}, "threads is 0; it must be at least 1"),
 ]
 WRONG_TYPES: list[tuple[dict[str, Any], str]] = [
-    ({"centers": [(0, 0), (None, 1)]}, "centers must hold real numbers, not object"),
+    ({"positions": [(0, 0), (None, 1)]}, "positions must hold real numbers, not object"),
     ({"categories": 1.0}, "categories must hold integers, not float"),
     ({"categories": [1.0, 2.0]}, "categories must hold integers, not float64"),
     ({"masks": True}, "masks must hold integers, not bool"),
@@ -441,7 +445,7 @@ WRONG_TYPES: list[tuple[dict[str, Any], str]] = [
 def test_wrong_arguments(error: Any, arguments: dict[str, Any], message: str) -> None:
     end = "$" if error is TypeError else ""
     with pytest.raises(error, match=f"^{re.escape(message)}{end}"):
-        jostle.Quadtree(**{"centers": TWO, **arguments})
+        jostle.Quadtree(**{"positions": TWO, **arguments})
 
 
 def test_wrong_questions() -> None:

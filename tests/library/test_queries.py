@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oracle import DTYPES, Shapes, any_shapes, coordinates, may_pair, pairs_within, sizes
+from results import fields
 
 import jostle
 
@@ -63,11 +64,11 @@ def selected(shapes: Shapes, categories: NDArray[Any] | None, mask: int | None) 
 def assert_hits(one: Any, many: Any, questions: Any, expected: list[NDArray[np.bool_]]) -> None:
     """Compare the answers of single queries and of all in one call."""
     hits = many(questions)
-    assert isinstance(hits, jostle.Hits)
+    assert isinstance(hits, jostle.IdLists)
     assert hits.offsets[0] == 0 and hits.offsets[-1] == len(hits.ids)
     for q, hit in enumerate(expected):
         ids = np.flatnonzero(hit)
-        np.testing.assert_array_equal(hits.ids[hits.offsets[q] : hits.offsets[q + 1]], ids)
+        np.testing.assert_array_equal(hits[q], ids)
         np.testing.assert_array_equal(one(q), ids)
 
 
@@ -177,7 +178,7 @@ def test_rays_and_thrown_discs(search: Any, ways: Any, radius: float, reach: flo
     radius, reach = float(dtype(radius)), float(dtype(reach))
     ours = selected(shapes, categories, mask)
     options = {"max_distance": reach, "mask": mask}
-    found = tree.circle_cast(points, ways, radius, **options)
+    found = tree.shape_cast(points, ways, radii=radius, **options)
     if radius == 0:
         plain = tree.raycast(points, ways, **options)
         np.testing.assert_array_equal(plain.ids, found.ids)
@@ -188,8 +189,8 @@ def test_rays_and_thrown_discs(search: Any, ways: Any, radius: float, reach: flo
         first = int(np.argmin(far)) if len(far) and far.min() < np.inf else -1
         assert found.ids[q] == first
         assert found.distances[q] == (far[first] if first >= 0 else np.inf)
-        one = tree.circle_cast(point, way, radius, **options)
-        assert one == (first, found.distances[q])
+        one = tree.shape_cast(point, way, radii=radius, **options)
+        assert (one.id, one.distance) == (first, found.distances[q])
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.7])
@@ -201,8 +202,8 @@ def test_the_first_hit_is_the_first(boxes: bool, radius: float) -> None:
     tree = jostle.Quadtree(rng.uniform(0, 50, (300, 2)), rng.uniform(0.1, 1, 300), half_sizes)
     origins, angles = rng.uniform(0, 50, (200, 2)), rng.uniform(0, 2 * np.pi, 200)
     ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    hits = tree.circle_cast(origins, ways * 5, radius)
-    for origin, way, hit, far in zip(origins, ways, *hits, strict=True):
+    hits = tree.shape_cast(origins, ways * 5, radii=radius)
+    for origin, way, hit, far in zip(origins, ways, hits.ids, hits.distances, strict=True):
         end = far if hit >= 0 else 80.0
         before = origin + np.outer(np.arange(0, max(end - 1e-6, 0), 0.05), way)
         if len(before) and far > 0:
@@ -218,7 +219,7 @@ def test_one_origin_many_directions_and_the_other_way_round() -> None:
     assert fan.ids.tolist() == [1, -1, 0]
     assert fan.distances.tolist() == [0.5, np.inf, 0.5]
     assert tree.raycast([(-4, 0), (9, 0)], (1, 0)).ids.tolist() == [0, -1]
-    assert tree.circle_cast((-4, 1.5), (1, 0), [0.1, 0.6]).ids.tolist() == [-1, 0]
+    assert tree.shape_cast((-4, 1.5), (1, 0), radii=[0.1, 0.6]).ids.tolist() == [-1, 0]
 
 
 def test_a_limit_counts_only_pairs_of_the_categories_asked_for() -> None:
@@ -251,10 +252,11 @@ def test_threads_change_nothing_and_answers_keep_the_order(threads: int) -> None
     hits = tree.query_circle(points, 0.5)
     for q in range(0, 3000, 97):
         alone = tree.query_circle(points[q], 0.5)
-        np.testing.assert_array_equal(hits.ids[hits.offsets[q] : hits.offsets[q + 1]], alone)
+        np.testing.assert_array_equal(hits[q], alone)
         assert tree.nearest(points, 3).ids[q].tolist() == tree.nearest(points[q], 3).ids.tolist()
     ways = points[::-1] - 50.3
-    assert tree.raycast(points[99], ways[99]) == tuple(x[99] for x in tree.raycast(points, ways))
+    one, many = tree.raycast(points[99], ways[99]), tree.raycast(points, ways)
+    assert one == jostle.RayHit(*(column[99] for column in fields(many)))
 
 
 @pytest.mark.parametrize("n", [0, 1])
@@ -262,7 +264,8 @@ def test_hardly_any_shapes(n: int) -> None:
     tree = jostle.Quadtree(np.zeros((n, 2)), 1.0)
     assert len(tree.query_rect((-1, -1, 1, 1))) == n
     assert tree.nearest((3, 0), 2).ids.tolist() == [0, -1][-n - 1 :] + [-1] * (1 - n)
-    assert tree.raycast((3, 0), (-1, 0)) == ((0, 2.0) if n else (-1, np.inf))
+    hit = tree.raycast((3, 0), (-1, 0))
+    assert (hit.id, hit.distance) == ((0, 2.0) if n else (-1, np.inf))
     assert tree.query_rect(np.zeros((0, 4))).offsets.tolist() == [0]
     assert tree.nearest(np.zeros((0, 2)), 3).ids.shape == (0, 3)
     assert len(tree.raycast(np.zeros((0, 2)), (1, 0)).ids) == 0
@@ -353,7 +356,7 @@ class Sides:
 def test_a_rectangle_that_knows_its_sides_is_read_by_them() -> None:
     tree = jostle.Quadtree([(5.5, 0)], 0.4)
     assert tree.query_rect(Sides()).tolist() == [0]
-    assert [ids.tolist() for ids in tree.query_rect([Sides(), Sides()]).lists()] == [[0], [0]]
+    assert [ids.tolist() for ids in tree.query_rect([Sides(), Sides()])] == [[0], [0]]
     assert tree.query_rect((2, -1, 4, 4)).tolist() == []
 
 
@@ -380,4 +383,4 @@ def test_no_queries_have_no_lists() -> None:
         jostle.Quadtree(np.zeros((0, 2))).neighbors(1.0),
         jostle.Space().neighbors(1.0),
     ):
-        assert hits.lists() == []
+        assert list(hits) == []

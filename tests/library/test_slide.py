@@ -57,7 +57,7 @@ def test_never_inside(scene, up, seed: int) -> None:
     rng = np.random.default_rng(seed)
     others = np.setdiff1d(space.ids, ids)
     platforms = others[rng.random(len(others)) < rng.choice([0, 0.2])]
-    scale = space.half_sizes().max() / 6
+    scale = space.half_sizes.max() / 6
     floors = np.full(len(ids), -1)
     for _ in range(4):
         before = pairs_of(space, ids)
@@ -66,14 +66,14 @@ def test_never_inside(scene, up, seed: int) -> None:
         carried = np.sort(np.column_stack([ids, floors])[is_carried], axis=1)
         pushed = {
             (min(id, platform), max(id, platform))
-            for id, hits in zip(ids.tolist(), slides.hits.lists(), strict=True)
+            for id, hits in zip(ids.tolist(), slides.hits, strict=True)
             for platform in platforms.tolist()
             if np.any(hits != platform)
         }
         assert pairs_of(space, ids) <= before | set(map(tuple, carried.tolist())) | pushed
         floors = slides.floors
-        moved = space.centers(platforms) + rng.normal(0, scale, (len(platforms), 2))
-        space.move(platforms, moved)
+        moved = space.get(platforms).positions + rng.normal(0, scale, (len(platforms), 2))
+        space.set(platforms, positions=moved)
 
 
 @settings(max_examples=60, deadline=None)
@@ -83,24 +83,24 @@ def test_the_first_impact_is_where_brute_force_finds_it(scene) -> None:
     space, ids, steps = scene
     if len(ids) == 0 or not steps[0].any():
         return
-    start, step = space.centers(ids[0]).astype(float), steps[0]
+    start, step = space.get(ids[0]).positions.astype(float), steps[0]
     slide = space.move_and_slide(int(ids[0]), step, max_slides=1, up=(0, 0))
     moved = slide.displacement.astype(float)
     share = float(moved @ step / (step @ step))
     probe = jostle.Space(dtype=space.dtype)
     everything = np.setdiff1d(space.ids, ids[:1])
-    probe.add(boxes=space.boxes(everything), radii=space.radii(everything))
-    ghost = probe.add(start, space.radii(ids[0]), space.half_sizes(ids[0]))
+    probe.add(boxes=space.get(everything).boxes, radii=space.get(everything).radii)
+    ghost = probe.add(start, space.get(ids[0]).radii, space.get(ids[0]).half_sizes)
     exact = 1e-9 if space.dtype == "float64" else 1e-3
     for part in np.linspace(0, 1, 200):
-        probe.move(ghost, start + step * share * part * (1 - exact))
+        probe.set(ghost, positions=start + step * share * part * (1 - exact))
         depths = probe_depth(probe, ghost)
         assert depths <= exact * (1 + np.abs(start).max() + np.abs(step).max())
     if len(slide.hits):
         assert share < 1
-        size = space.radii(ids[0]) + space.half_sizes(ids[0]).min()
+        size = space.get(ids[0]).radii + space.get(ids[0]).half_sizes.min()
         beyond = moved + step / np.linalg.norm(step) * 1e-2 * size
-        probe.move(ghost, start + beyond - slide.normals[-1] * 1e-2 * size)
+        probe.set(ghost, positions=start + beyond - slide.normals[-1] * 1e-2 * size)
         assert pairs_of(probe, [ghost])
     else:
         assert share == pytest.approx(1, abs=exact)
@@ -112,10 +112,10 @@ def probe_depth(space: jostle.Space, id: int) -> float:
     found = pairs[(pairs == id).any(axis=1)]
     depth = 0.0
     for a, b in found:
-        boxes = space.boxes([a, b]).astype(float)
+        boxes = space.get([a, b]).boxes.astype(float)
         gap = np.maximum(boxes[0, :2] - boxes[1, 2:], boxes[1, :2] - boxes[0, 2:])
         outside = np.hypot(*np.maximum(gap, 0))
-        depth = max(depth, space.radii([a, b]).sum() - (outside or gap.max()))
+        depth = max(depth, space.get([a, b]).radii.sum() - (outside or gap.max()))
     return depth
 
 
@@ -131,7 +131,7 @@ def test_nothing_leaves_a_room_at_any_speed(dtype: str, thickness: float) -> Non
     for _ in range(400):
         steps = rng.normal(0, 1, (2, 2)) * 10 ** rng.uniform(-3, 9)
         space.move_and_slide([disc, box], steps, up=(0, 0))
-        assert (np.abs(space.centers()[-2:]) < 10).all()
+        assert (np.abs(space.positions[-2:]) < 10).all()
         assert not pairs_of(space, [disc, box])
 
 
@@ -171,7 +171,7 @@ def test_touching_exactly_is_free() -> None:
     slide = space.move_and_slide(walker, (5, 0))
     assert not slide.on_floor and slide.displacement.tolist() == [5, 0]
     slide = space.move_and_slide(walker, (-5, 1))
-    assert slide.on_floor and space.centers(walker) == pytest.approx([2, 0.5], abs=1e-12)
+    assert slide.on_floor and space.get(walker).positions == pytest.approx([2, 0.5], abs=1e-12)
     assert len(space.pairs()) == 0
 
 
@@ -183,20 +183,20 @@ def test_a_walker_climbs_to_the_floor_angle() -> None:
         angle = np.radians(degrees)
         walker = space.add((-1001 * np.sin(angle), -1001 * np.cos(angle)), 1.0)
         space.move_and_slide(walker, (0, 0.5))
-        height = space.centers(walker)[1]
+        height = space.get(walker).positions[1]
         slide = space.move_and_slide(walker, (0.5, 0.01))
         assert slide.on_floor == climbs
-        assert (space.centers(walker)[1] < height - 0.1) == climbs
+        assert (space.get(walker).positions[1] < height - 0.1) == climbs
 
 
 def test_a_walker_stands_on_a_slope() -> None:
     space = jostle.Space()
     space.add((0, 0), 1000.0)
     walker = space.add((-500.5, -np.sqrt(1001**2 - 500.5**2) - 0.01), 1.0)
-    before = space.centers(walker)
+    before = space.get(walker).positions
     for _ in range(100):
         assert space.move_and_slide(walker, (0, 0.3)).on_floor
-    assert np.abs(space.centers(walker) - before).max() < 0.05
+    assert np.abs(space.get(walker).positions - before).max() < 0.05
 
 
 def test_ceilings_and_masks() -> None:
@@ -206,8 +206,8 @@ def test_ceilings_and_masks() -> None:
     slide = space.move_and_slide(walker, (2, -9))
     assert slide.on_ceiling and slide.remaining.tolist() == [2, 0]
     assert not space.move_and_slide(walker, (0, -9), mask=LEDGE).on_ceiling
-    space.move(walker, (0, 0))
-    space.set_filter(walker, masks=LEDGE)
+    space.set(walker, positions=(0, 0))
+    space.set(walker, masks=LEDGE)
     assert len(space.move_and_slide(walker, (0, -9)).hits) == 0
 
 
@@ -223,7 +223,7 @@ def test_one_way_platforms() -> None:
     space.move_and_slide(walker, (0, -3.0), **rules)
     down = space.move_and_slide(walker, (0, 50.0), **rules)
     assert down.on_floor and down.floor == ledge
-    assert space.centers(walker)[1] == pytest.approx(-1)
+    assert space.get(walker).positions[1] == pytest.approx(-1)
     assert space.move_and_slide(walker, (0, 1.0)).on_floor  # a floor for all else too
     from_the_side = space.add((9, 0.5), half_sizes=(0.5, 0.2))
     assert len(space.move_and_slide(from_the_side, (-4, 0), **rules).hits) == 0
@@ -236,10 +236,10 @@ def test_moving_platforms_carry() -> None:
     walker = space.add((0, -2), half_sizes=(0.5, 1.0))
     assert space.move_and_slide(walker, (0, 5)).floor == platform
     for _ in range(22):
-        space.move(platform, space.centers(platform) + np.array((1, -0.25)))
+        space.set(platform, positions=space.get(platform).positions + np.array((1, -0.25)))
         assert space.move_and_slide(walker, (0, 0.1)).on_floor
         assert not pairs_of(space, [walker])
-    assert space.centers(walker)[0] == pytest.approx(19.5)  # the wall held it back
+    assert space.get(walker).positions[0] == pytest.approx(19.5)  # the wall held it back
     assert wall not in space.move_and_slide(walker, (0, 0)).hits
 
 
@@ -252,7 +252,7 @@ def test_copies_keep_riders_and_walls(way) -> None:
     space.move_and_slide(walker, (0, 5))
     twin = way(space)
     np.testing.assert_array_equal(twin.walls, space.walls)
-    twin.move(platform, twin.centers(platform) + np.array((3, -1)))
+    twin.set(platform, positions=twin.get(platform).positions + np.array((3, -1)))
     assert twin.move_and_slide(walker, (0, 0.1)).displacement == pytest.approx([3, -1])
 
 
@@ -266,7 +266,7 @@ def test_a_floor_that_moves_in_the_same_call_carries(order) -> None:
     ids = np.array([lift, crate, walker])
     for _ in range(3):
         space.move_and_slide(ids, [(0, 0), (0, 2), (0, 2)])
-    before = space.centers(ids)
+    before = space.get(ids).positions
     for steps in ([(3, -1), (0, 0.1), (0, 0.1)], [(-2, 30), (0, 0.1), (0.5, 0.1)]):
         slides = space.move_and_slide(ids[order], np.array(steps)[order])
         moved = slides.displacements[np.argsort(order)]
@@ -274,7 +274,7 @@ def test_a_floor_that_moves_in_the_same_call_carries(order) -> None:
         assert moved[1] == pytest.approx(moved[0], abs=1e-9)
         assert moved[2] == pytest.approx(moved[0] + (steps[2][0], 0), abs=1e-9)
         assert len(space.pairs()) == 0
-    assert not (space.centers(ids) == before).all()
+    assert not (space.get(ids).positions == before).all()
 
 
 KINDS = {
@@ -287,12 +287,12 @@ KINDS = {
 def move_lifts(space: jostle.Space, lifts, by, way: str) -> None:
     """Move them by `by`, in one motion, in two, or by a call of their own."""
     if way == "twice":
-        space.move(lifts, space.centers(lifts) + np.array(by) * 0.75)
-        space.move(lifts, space.centers(lifts) + np.array(by) * 0.25)
+        space.set(lifts, positions=space.get(lifts).positions + np.array(by) * 0.75)
+        space.set(lifts, positions=space.get(lifts).positions + np.array(by) * 0.25)
     elif way == "other call":
         space.move_and_slide(lifts, np.tile(by, (len(lifts), 1)), mask=0)
     else:
-        space.move(lifts, space.centers(lifts) + np.array(by))
+        space.set(lifts, positions=space.get(lifts).positions + np.array(by))
 
 
 @pytest.mark.parametrize("one_way", [0, LEDGE])
@@ -330,8 +330,8 @@ def test_a_rising_lift_catches_what_falls_onto_it(one_way, dtype, way, mask) -> 
                 if way != "after":
                     move_lifts(space, lifts, (0, -speed), way)
                 slides = space.move_and_slide(walkers, velocities, **rules)
-            tops = space.centers(lifts)[:, 1] - 4
-            assert (space.centers(walkers)[:, 1] + 8 <= tops + tolerance).all()
+            tops = space.get(lifts).positions[:, 1] - 4
+            assert (space.get(walkers).positions[:, 1] + 8 <= tops + tolerance).all()
             velocities = slides.remaining[:n].copy()
             on_floor = slides.on_floor[:n]
             assert on_floor[has_landed].all()
@@ -365,14 +365,16 @@ def test_platforms_that_move_together_carry_across_their_joints(shape: str, way:
                             slides = space.move_and_slide(ids[::turn], steps[::turn], **rules)
                         else:
                             for some in [parts] if way == "move" else parts[:, None]:
-                                space.move(some, space.centers(some) + np.array((vx, vy)))
+                                space.set(
+                                    some, positions=space.get(some).positions + np.array((vx, vy))
+                                )
                             slides = space.move_and_slide([walker], [(walk, 0.5)], **rules)
                         row = 0 if turn < 0 else -1
                         moved = slides.displacements[row].tolist()
                         case = (pieces, vx, vy, walk)
                         assert moved == pytest.approx((vx + walk, vy), abs=1e-9), case
                         assert slides.on_floor[row] and not slides.on_wall[row], case
-                    gaps = np.diff(space.centers(parts), axis=0)
+                    gaps = np.diff(space.get(parts).positions, axis=0)
                     middles = (x[:-1] + x[1:]) / 2
                     np.testing.assert_allclose(gaps[:, 0], np.diff(middles), atol=1e-9)
                     np.testing.assert_allclose(gaps[:, 1], 0, atol=1e-9)
@@ -388,7 +390,7 @@ def test_a_lift_does_not_drag_what_is_not_above_it() -> None:
     rules = {"one_way": LEDGE, "mask": LEDGE}
     space.move_and_slide(walkers, np.zeros((4, 2)), **rules)
     for by in ((0, -10), (0, 10), (3, 10), (-3, -10), (0, 200)):
-        space.move(lift, space.centers(lift) + np.array(by))
+        space.set(lift, positions=space.get(lift).positions + np.array(by))
         slides = space.move_and_slide(walkers, np.zeros((4, 2)), **rules)
         assert slides.displacements.tolist() == np.zeros((4, 2)).tolist(), by
         assert len(slides.hits.ids) == 0
@@ -399,7 +401,7 @@ def test_a_lift_that_moves_away_downwards_lets_fall() -> None:
     lift = space.add(boxes=(0, 0, 60, 8))
     walker = space.add((30, -20), half_sizes=(5, 8))
     for _ in range(5):
-        space.move(lift, space.centers(lift) + np.array((0, 30)))
+        space.set(lift, positions=space.get(lift).positions + np.array((0, 30)))
         slide = space.move_and_slide(walker, (0, 1))
         assert not slide.on_floor and slide.displacement.tolist() == [0, 1]
 
@@ -411,7 +413,7 @@ def test_a_long_move_is_a_motion_and_a_new_shape_is_not() -> None:
         walker = space.add((0, 0), half_sizes=(5, 8))
         space.move_and_slide(walker, (0, 0))
         if way == "move":
-            space.move(wall, (500, 0))
+            space.set(wall, positions=(500, 0))
         else:
             space.remove(wall)
             wall = space.add((500, 0), half_sizes=(5, 50))
@@ -429,12 +431,12 @@ def test_every_call_meets_what_has_moved_since_the_last_motion_of_its_walkers() 
     for walker in (first, second):
         space.move_and_slide(walker, (0, 0))
     for frame in range(6):
-        space.move(lift, space.centers(lift) + np.array((0, -40)))
-        third = space.add((70, space.centers(lift)[1] + 27), half_sizes=(5, 8))
+        space.set(lift, positions=space.get(lift).positions + np.array((0, -40)))
+        third = space.add((70, space.get(lift).positions[1] + 27), half_sizes=(5, 8))
         for walker in [first, second, third][:: (-1) ** frame]:
             space.move_and_slide(walker, (0, 0.5))
-            feet = space.centers(walker)[1] + 8
-            assert feet == pytest.approx(space.centers(lift)[1] - 4)
+            feet = space.get(walker).positions[1] + 8
+            assert feet == pytest.approx(space.get(lift).positions[1] - 4)
             assert len(space.pairs()) == 0
         space.remove(third)
 
@@ -445,7 +447,7 @@ def test_there_and_back_is_no_motion() -> None:
     walker = space.add((0, 0), half_sizes=(5, 8))
     space.move_and_slide(walker, (0, 0))
     for x in (50, -50):
-        space.move(wall, (x, 0))
+        space.set(wall, positions=(x, 0))
     assert space.move_and_slide(walker, (0, 1)).displacement.tolist() == [0, 1]
 
 
@@ -455,12 +457,12 @@ def test_copies_keep_what_has_moved(way) -> None:
     gone, lift = space.add(boxes=[(200, 0, 260, 8), (0, 0, 60, 8)], categories=LEDGE)
     walker = space.add((30, -20), half_sizes=(5, 8))
     space.move_and_slide(walker, (0, 0))
-    space.move([gone, lift], [(230, 9), (30, -100)])
+    space.set([gone, lift], positions=[(230, 9), (30, -100)])
     space.remove(gone)
     twin = way(space)
     for one in (space, twin):
         slide = one.move_and_slide(walker, (0, 0.5), one_way=LEDGE)
-        assert slide.floor == lift and one.centers(walker)[1] == pytest.approx(-112)
+        assert slide.floor == lift and one.get(walker).positions[1] == pytest.approx(-112)
 
 
 def test_a_lift_crosses_the_edge_of_a_periodic_plane() -> None:
@@ -470,7 +472,7 @@ def test_a_lift_crosses_the_edge_of_a_periodic_plane() -> None:
         away = np.array(by) * 0.5
         walker = space.add(np.array((95, 5)) + away, radii=2.0)
         space.move_and_slide(walker, (0, 0))
-        space.move(lift, np.array((95, 5)) + by)
+        space.set(lift, positions=np.array((95, 5)) + by)
         slide = space.move_and_slide(walker, (0, 0))
         assert len(space.pairs()) == 0 and list(slide.hits) == [lift]
         along = slide.displacement @ away / np.linalg.norm(away)
@@ -485,9 +487,9 @@ def test_a_lift_and_a_ceiling_leave_what_is_between_in_its_place() -> None:
     walker = space.add((30, -8), half_sizes=(5, 8))
     space.move_and_slide(walker, (0, 0.5))
     for top, fall, y in ((-3, 0.5, -11), (-8, 0, -12), (-2, 0.5, -10)):
-        space.move(lift, (30, top + 4))
+        space.set(lift, positions=(30, top + 4))
         slide = space.move_and_slide(walker, (0, fall))
-        assert space.centers(walker)[1] == pytest.approx(y)
+        assert space.get(walker).positions[1] == pytest.approx(y)
         assert pairs_of(space, [walker]) == ({(lift, walker)} if top == -8 else set())
         assert slide.on_ceiling == (top == -8) and (ceiling in slide.hits) == (top == -8)
 
@@ -499,16 +501,16 @@ def test_a_rider_below_a_ceiling_does_not_pull_a_platform_apart(way: str) -> Non
     parts = space.add(boxes=boxes, categories=LEDGE)
     space.add(boxes=(0, -30, 60, -18), categories=WALL)
     rider = space.add((18, -8), half_sizes=(5, 8), categories=WALKER)
-    ids, starts = [*parts, rider], space.centers(parts)
+    ids, starts = [*parts, rider], space.get(parts).positions
     space.move_and_slide(rider, (0, 0.5))
     for frame in range(1, 5):
         if way == "move":
-            space.move(parts, space.centers(parts) + np.array((0, -1)))
+            space.set(parts, positions=space.get(parts).positions + np.array((0, -1)))
             space.move_and_slide(rider, (0, 0.5))
         else:
             space.move_and_slide(ids, [(0, -1)] * 3 + [(0, 0.5)])
-        np.testing.assert_allclose(space.centers(parts), starts - (0, frame), atol=1e-9)
-        assert space.centers(rider)[1] > -10 - 1e-9
+        np.testing.assert_allclose(space.get(parts).positions, starts - (0, frame), atol=1e-9)
+        assert space.get(rider).positions[1] > -10 - 1e-9
 
 
 def test_moved_obstacles_do_not_depend_on_ids_threads_or_their_number() -> None:
@@ -524,10 +526,10 @@ def test_moved_obstacles_do_not_depend_on_ids_threads_or_their_number() -> None:
         walkers = space.add(free, radii=1.0, categories=WALKER)
         shown = []
         for step, walk in zip(steps, walks, strict=True):
-            space.move(ids, space.centers(ids) + step[order])
+            space.set(ids, positions=space.get(ids).positions + step[order])
             if threads == 1:
                 slides = space.move_and_slide(walkers, walk, mask=LEDGE)
-                shown.append([space.centers(walkers), slides.remaining, slides.on_floor])
+                shown.append([space.get(walkers).positions, slides.remaining, slides.on_floor])
             else:  # few at once, which are tested one by one
                 parts = [
                     space.move_and_slide(walkers[k : k + 4], walk[k : k + 4], mask=LEDGE)
@@ -537,7 +539,7 @@ def test_moved_obstacles_do_not_depend_on_ids_threads_or_their_number() -> None:
                     np.concatenate([getattr(part, name) for part in parts])
                     for name in ("remaining", "on_floor")
                 )
-                shown.append([space.centers(walkers), remaining, floors])
+                shown.append([space.get(walkers).positions, remaining, floors])
         found.append(shown)
     for one, other in zip(*found, strict=True):
         for a, b in zip(one, other, strict=True):
@@ -560,17 +562,19 @@ def test_nothing_leaves_a_room_that_moves(seed: int, dtype: str, is_one_call: bo
         up = [(0, 0), (0, -1)][int(rng.integers(2))]
         if is_one_call:
             # `walls` are in the way of each other; `move` has no obstacles.
-            space.set_filter(walls, masks=WALKER)
+            space.set(walls, masks=WALKER)
             all_steps = np.concatenate([np.tile(by, (4, 1)), steps])
             space.move_and_slide([*walls, *ids], all_steps, up=up, mask=WALL)
         else:
-            space.move(walls, space.centers(walls) + by)
+            space.set(walls, positions=space.get(walls).positions + by)
             space.move_and_slide(ids, steps, up=up, mask=WALL)
-        low, high = space.boxes(walls)[0, 2:], space.boxes(walls)[1, :2]
-        room = np.array([low[0], space.boxes(walls)[2, 3], high[0], space.boxes(walls)[3, 1]])
+        low, high = space.get(walls).boxes[0, 2:], space.get(walls).boxes[1, :2]
+        room = np.array(
+            [low[0], space.get(walls).boxes[2, 3], high[0], space.get(walls).boxes[3, 1]]
+        )
         size = np.abs(room).max()
         slack = size * (1e-12 if dtype == "float64" else 1e-5)
-        for box in space.boxes(ids).astype(float):
+        for box in space.get(ids).boxes.astype(float):
             assert (box[:2] >= room[:2] - slack).all() and (box[2:] <= room[2:] + slack).all()
 
 
@@ -589,7 +593,7 @@ def test_a_walker_jumps_with_what_stands_on_it_up_to_a_ceiling(order) -> None:
         assert len(space.pairs()) == 0
         assert slides.on_floor[back].tolist() == [False, True, True]
     assert moved == [pytest.approx(row, abs=1e-9) for row in ([-2] * 3, [-0.5] * 3, [0] * 3)]
-    hits = [slides.hits.lists()[row].tolist() for row in back]
+    hits = [slides.hits[row].tolist() for row in back]
     assert slides.on_ceiling.all() and hits[0] == [ids[1]] and ceiling in hits[2]
     assert slides.remaining[back[0]].tolist() == [0, 0]
 
@@ -605,7 +609,7 @@ def test_what_cannot_be_carried_stops_a_walker() -> None:
         slides = space.move_and_slide(ids, [(0.2, 0.1), (0, 0.1)])
         assert len(space.contacts().depths) == 0
         assert np.abs(slides.displacements).max() < 1e-9
-        assert ids[1] in slides.hits.lists()[0] and wall in slides.hits.lists()[1]
+        assert ids[1] in slides.hits[0] and wall in slides.hits[1]
     slides = space.move_and_slide(ids, [(-0.2, 0.1), (0, 0.1)])  # away from it
     assert slides.displacements[0].tolist() == pytest.approx([-0.2, 0])
     assert slides.displacements[1, 0] == pytest.approx(-0.2, abs=0.1)
@@ -632,7 +636,7 @@ def test_a_platform_that_was_moved_into_its_rider_stays_there() -> None:
     ids = space.add([(0, 0), (0, -1.5), (0, -3.5)], half_sizes=[(5, 0.5), (1, 1), (1, 1)])
     steps = [(0, 0), (0, 0.1), (0, 0.1)]
     space.move_and_slide(ids, steps)
-    space.move(ids[0], (1, -0.3))
+    space.set(ids[0], positions=(1, -0.3))
     slides = space.move_and_slide(ids, steps)
     moved = [(0, 0), (1, -0.3), (1, -0.3)]
     np.testing.assert_allclose(slides.displacements, moved, atol=1e-9)
@@ -647,7 +651,7 @@ def test_a_stack_is_carried_across_the_edge_of_a_periodic_plane() -> None:
         slides = space.move_and_slide(ids, [step, (0, 0.1), (0, 0.1)])
         np.testing.assert_allclose(slides.displacements, [step] * 3, atol=1e-9)
         assert len(space.pairs()) == 0
-        assert (space.centers()[:, 0] >= 0).all() and (space.centers()[:, 0] < 20).all()
+        assert (space.positions[:, 0] >= 0).all() and (space.positions[:, 0] < 20).all()
 
 
 def test_stacks_do_not_depend_on_threads_or_on_the_order_of_others() -> None:
@@ -667,7 +671,7 @@ def test_stacks_do_not_depend_on_threads_or_on_the_order_of_others() -> None:
             slides = space.move_and_slide(ids[order], step[order] + (0, 0.2))
             assert len(space.contacts().depths) == 0
         back = np.argsort(order)
-        results.append([space.centers(ids), slides.remaining[back], slides.floors[back]])
+        results.append([space.get(ids).positions, slides.remaining[back], slides.floors[back]])
     for one, other in zip(*results, strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -680,12 +684,12 @@ def test_a_platform_pushes_what_it_carries_out_where_there_is_room() -> None:
     rider = space.add((0.5, -1.95), radii=1.0)
     space.move_and_slide(rider, (0, 0.1))
     for _ in range(5):
-        space.move(platform, space.centers(platform) + np.array((0.1, 0)))
+        space.set(platform, positions=space.get(platform).positions + np.array((0.1, 0)))
         space.move_and_slide(rider, (0, 0.1))
-        assert len(space.pairs()) == 0 and space.centers(rider)[0] == pytest.approx(0.5)
-    assert space.centers(rider)[1] == pytest.approx(-2)
+        assert len(space.pairs()) == 0 and space.get(rider).positions[0] == pytest.approx(0.5)
+    assert space.get(rider).positions[1] == pytest.approx(-2)
     ceiling = space.add(boxes=(-9, -5, 1.5, -3.01))
-    space.move(platform, space.centers(platform) + np.array((0, -0.3)))
+    space.set(platform, positions=space.get(platform).positions + np.array((0, -0.3)))
     space.move_and_slide(rider, (0, 0.1))  # there is no room
     assert pairs_of(space, [rider]) == {(platform, rider)}
     space.remove(ceiling)
@@ -698,10 +702,10 @@ def test_one_way_platforms_carry_whatever_is_rounded() -> None:
         rng = np.random.default_rng(seed)
         space = jostle.Space()
         lift = space.add(rng.uniform(-9, 9, 2), half_sizes=(5, 0.5), categories=LEDGE)
-        walker = space.add(space.centers(lift) - np.array((0, 3)), half_sizes=(0.3, 0.7))
+        walker = space.add(space.get(lift).positions - np.array((0, 3)), half_sizes=(0.3, 0.7))
         space.move_and_slide(walker, (0, 5), one_way=LEDGE)
         for _ in range(60):
-            space.move(lift, space.centers(lift) + rng.normal(0, 0.3, 2))
+            space.set(lift, positions=space.get(lift).positions + rng.normal(0, 0.3, 2))
             assert space.move_and_slide(walker, (0, 0.1), one_way=LEDGE).on_floor
 
 
@@ -714,16 +718,16 @@ def test_the_joint_of_a_box_and_a_polyline_does_not_stop_a_walker(y: float) -> N
     walker = space.add((2, y - 0.5), half_sizes=(0.3, 0.5))
     for _ in range(40):
         assert not space.move_and_slide(walker, (0.3, 0.05)).on_wall
-    assert space.centers(walker)[0] == pytest.approx(14)
+    assert space.get(walker).positions[0] == pytest.approx(14)
 
 
 def test_landing_on_a_floor_that_moves_later_in_the_call() -> None:
     space = jostle.Space()
     lift, walker = space.add([(0, 0), (0, -3)], half_sizes=[(5, 1), (0.5, 1)])
     space.move_and_slide([walker, lift], [(0, 5), (2, 0)])
-    assert space.centers(walker)[0] == 0
+    assert space.get(walker).positions[0] == 0
     space.move_and_slide(walker, (0, 0.1))  # what the floor has moved since
-    assert space.centers(walker)[0] == pytest.approx(2)
+    assert space.get(walker).positions[0] == pytest.approx(2)
 
 
 def test_what_stops_a_carried_or_pushed_walker_is_in_the_hits() -> None:
@@ -732,7 +736,7 @@ def test_what_stops_a_carried_or_pushed_walker_is_in_the_hits() -> None:
     wall = space.add(boxes=(3, -9, 4, -0.1))
     walker = space.add((0, -2), half_sizes=(0.5, 1.0))
     space.move_and_slide(walker, (0, 5))
-    space.move(platform, space.centers(platform) + np.array((9, 0)))
+    space.set(platform, positions=space.get(platform).positions + np.array((9, 0)))
     carried = space.move_and_slide(walker, (0, 0.1))
     assert wall in carried.hits and carried.on_wall and carried.on_floor is False
     assert carried.displacement[0] == pytest.approx(2.5)
@@ -751,7 +755,7 @@ def test_a_deep_overlap_does_not_depend_on_the_order() -> None:
         steps = np.array([(0.0, 0.0), (0.0, 2.0)])
         space.move_and_slide(ids[order], steps[order], up=(0, 0))
         assert len(space.pairs()) == 0
-        results.append(space.centers(ids))
+        results.append(space.get(ids).positions)
     # The second one moves out of the way before or after the first one comes.
     np.testing.assert_allclose(results[0][1], results[1][1], atol=3)
 
@@ -767,7 +771,7 @@ def test_ties_do_not_depend_on_the_history_of_the_space() -> None:
             walker = space.add((0, 0), half_sizes=(1, 1))
             if moves:
                 space.update()
-                space.move(ids, boxes=boxes[order])
+                space.set(ids, boxes=boxes[order])
             slide = space.move_and_slide(walker, (30, 30))
             found.append([boxes[order][list(ids).index(hit)].tolist() for hit in slide.hits])
             found[-1].append(slide.displacement.tolist())
@@ -796,14 +800,14 @@ def test_slopes_are_climbed_up_to_the_floor_angle(shape: str, dtype: str) -> Non
         walker = space.add((-10, -1.0), radius, (half, half))
         for _ in range(40):
             slide = space.move_and_slide(walker, (1.0, 0.5))
-        assert (space.centers(walker)[1] < -5) == climbs
+        assert (space.get(walker).positions[1] < -5) == climbs
         assert slide.on_floor and slide.on_wall == (not climbs)
         if climbs:
-            before = space.centers(walker)
+            before = space.get(walker).positions
             for _ in range(200):  # it stands
                 assert space.move_and_slide(walker, (0, 0.5)).floor == -3
             most = 5e-4 if dtype == "float32" else 1e-12
-            assert np.abs(space.centers(walker) - before).max() < most
+            assert np.abs(space.get(walker).positions - before).max() < most
 
 
 @settings(max_examples=80, deadline=None)
@@ -820,12 +824,14 @@ def test_nothing_leaves_a_polygon_of_walls(seed: int, dtype: str) -> None:
     shapes = [(1.0, (0, 0)), (0.0, (0.7, 0.4)), (0.3, (0.2, 0.5))]
     ids = [space.add(np.zeros(2), radius, half) for radius, half in shapes]
     masks = [1 << k for k in range(3)]
-    space.set_filter(ids, masks=masks, categories=masks)
+    space.set(ids, masks=masks, categories=masks)
     along = walls[:, 1] - walls[:, 0]
     for _ in range(40):
         steps = rng.normal(0, 1, (3, 2)) * 10 ** rng.uniform(-3, 9)
         space.move_and_slide(ids, steps, up=[(0, 0), (0, -1)][int(rng.integers(2))])
-        for (radius, half), center in zip(shapes, space.centers(ids).astype(float), strict=True):
+        for (radius, half), center in zip(
+            shapes, space.get(ids).positions.astype(float), strict=True
+        ):
             away = center - walls[:, 0]
             cross = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
             distance = np.abs(cross) / np.linalg.norm(along, axis=1)
@@ -843,11 +849,11 @@ def test_the_joints_of_walls_do_not_stop_a_walker() -> None:
     space.walls = jostle.polyline(np.stack([x, 2 * np.sin(x / 3)], 1))
     disc = space.add((3, -3), 0.5)
     box = space.add((3, -3), 0.0, (0.3, 0.5))
-    space.set_filter([disc, box], categories=[1, 2], masks=[1, 2])
+    space.set([disc, box], categories=[1, 2], masks=[1, 2])
     for _ in range(300):
         slides = space.move_and_slide([disc, box], [(0.3, 0.2)] * 2, floor_angle=1.0)
         assert not slides.on_wall.any()
-    assert (space.centers([disc, box])[:, 0] > 60).all()
+    assert (space.get([disc, box]).positions[:, 0] > 60).all()
 
 
 def test_bad_walls_change_nothing() -> None:
@@ -872,7 +878,7 @@ def test_a_walker_inside_an_obstacle_is_moved_out() -> None:
     space.add(boxes=(0, 0, 10, 10))
     walker = space.add((-0.5, 5), 1.0)
     space.move_and_slide(walker, (0, 0))
-    assert space.centers(walker)[0] == pytest.approx(-1) and not pairs_of(space, [walker])
+    assert space.get(walker).positions[0] == pytest.approx(-1) and not pairs_of(space, [walker])
 
 
 def test_long_motions_end_at_max_slides() -> None:
@@ -888,7 +894,7 @@ def test_many_and_one() -> None:
     ids = space.add([(0, 0), (5, 0)], 1.0)
     slides = space.move_and_slide(ids, [(9, 0), (0, 1)])
     assert isinstance(slides, jostle.Slides) and slides.displacements.dtype == np.float32
-    assert slides.hits.lists()[0].tolist() == [1] and slides.normals.tolist() == [[-1, 0]]
+    assert slides.hits[0].tolist() == [1] and slides.normals.tolist() == [[-1, 0]]
     assert slides.floors.tolist() == [-1, -1] and slides.on_wall.tolist() == [True, False]
     assert isinstance(space.move_and_slide(0, (0, 0)), jostle.Slide)
     empty = space.move_and_slide([], np.empty((0, 2)))
@@ -916,4 +922,4 @@ def test_bad_arguments_move_nothing(arguments, message: str) -> None:
     ids, steps, keywords = (*arguments, {})[:3]
     with pytest.raises(ValueError, match=message):
         space.move_and_slide(ids, steps, **keywords)
-    assert space.centers().tolist() == [[0, 0], [5, 0]]
+    assert space.positions.tolist() == [[0, 0], [5, 0]]

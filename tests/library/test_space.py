@@ -86,7 +86,7 @@ class LivingSpace(RuleBasedStateMachine):
     def move(self, data: st.DataObject) -> None:
         ids = self.some(data)
         to = data.draw(st.lists(points, min_size=len(ids), max_size=len(ids)))
-        self.space.move(ids, to)
+        self.space.set(ids, positions=to)
         for id, center in zip(ids, to, strict=True):
             self.shapes[id] = (center, *self.shapes[id][1:])
 
@@ -94,13 +94,13 @@ class LivingSpace(RuleBasedStateMachine):
     @rule(data=st.data(), to=points)
     def move_one(self, data: st.DataObject, to: Any) -> None:
         id = data.draw(st.sampled_from(sorted(self.shapes)))
-        self.space.move(id, to)
+        self.space.set(id, positions=to)
         self.shapes[id] = (to, *self.shapes[id][1:])
 
     @rule(data=st.data(), radius=st.none() | sizes, half=st.none() | sizes)
     def resize(self, data: st.DataObject, radius: float | None, half: float | None) -> None:
         ids = self.some(data)
-        self.space.resize(ids, radius, half)
+        self.space.set(ids, radii=radius, half_sizes=half)
         for id in ids:
             row = list(self.shapes[id])
             row[1] = row[1] if radius is None else radius
@@ -110,7 +110,7 @@ class LivingSpace(RuleBasedStateMachine):
     @rule(data=st.data(), own=st.none() | bits, wanted=st.none() | bits)
     def filter(self, data: st.DataObject, own: int | None, wanted: int | None) -> None:
         ids = self.some(data)
-        self.space.set_filter(ids, own, wanted)
+        self.space.set(ids, categories=own, masks=wanted)
         for id in ids:
             row = list(self.shapes[id])
             row[3] = row[3] if own is None else own
@@ -131,7 +131,7 @@ class LivingSpace(RuleBasedStateMachine):
         old, self.events = self.events, self.space.update()
         self.entered = now - self.before
         assert self.events.entered.tolist() == [list(pair) for pair in sorted(self.entered)]
-        assert self.events.left.tolist() == [list(pair) for pair in sorted(self.before - now)]
+        assert self.events.exited.tolist() == [list(pair) for pair in sorted(self.before - now)]
         self.before = now
         if old is not None and not hasattr(self, "was_asked"):
             with pytest.raises(RuntimeError, match="read it before the next update"):
@@ -189,9 +189,11 @@ class LivingSpace(RuleBasedStateMachine):
             np.testing.assert_array_equal(near.distances, expected.distances)
             np.testing.assert_array_equal(near.ids, named[expected.ids])
             assert near.distances.dtype == self.dtype
-        for cast in ("raycast", "circle_cast"):
-            way = (at, (1, -size), *([size] if cast == "circle_cast" else []))
-            hit, expected = (getattr(index, cast)(*way, mask=mask) for index in (self.space, tree))
+        for radius in (0, size):
+            hit, expected = (
+                index.shape_cast(at, (1, -size), radii=radius, mask=mask)
+                for index in (self.space, tree)
+            )
             assert (hit.id, hit.distance) == (named[expected.id], expected.distance)
 
     @rule(data=st.data(), last=st.sampled_from([-1, 1 << 40, (1 << 63) - 1, 1 << 32]))
@@ -203,11 +205,11 @@ class LivingSpace(RuleBasedStateMachine):
         ids = [*self.space.ids, wrong]
         message = re.escape(f"ids[{len(ids) - 1}] is {wrong}; ")
         for call in (
-            lambda: self.space.move(ids, np.zeros((len(ids), 2))),
-            lambda: self.space.resize(ids, 7.0),
-            lambda: self.space.set_filter(ids, 0),
+            lambda: self.space.set(ids, positions=np.zeros((len(ids), 2))),
+            lambda: self.space.set(ids, radii=7.0),
+            lambda: self.space.set(ids, categories=0),
             lambda: self.space.remove(ids),
-            lambda: self.space.centers(ids),
+            lambda: self.space.get(ids).positions,
         ):
             with pytest.raises(ValueError, match=message):
                 call()
@@ -220,9 +222,9 @@ class LivingSpace(RuleBasedStateMachine):
         centers, radii, halves = np.zeros((len(ids), 2)), np.ones(len(ids)), np.ones((len(ids), 2))
         centers[row, 1], radii[row], halves[row, 0] = np.nan, -1, np.inf
         for name, call in {
-            "centers": lambda: self.space.move(ids, centers),
-            "radii": lambda: self.space.resize(ids, radii),
-            "half_sizes": lambda: self.space.resize(ids, 1.0, halves),
+            "positions": lambda: self.space.set(ids, positions=centers),
+            "radii": lambda: self.space.set(ids, radii=radii),
+            "half_sizes": lambda: self.space.set(ids, radii=1.0, half_sizes=halves),
         }.items():
             with pytest.raises(ValueError, match=rf"^{name}\[{row}\] is "):
                 call()
@@ -237,12 +239,17 @@ class LivingSpace(RuleBasedStateMachine):
             return
         ids, shapes, own, wanted = self.columns()
         assert len(self.space) == len(ids)
-        assert self.space.ids.tolist() == ids
-        np.testing.assert_array_equal(self.space.centers(ids), shapes.centers)
-        np.testing.assert_array_equal(self.space.radii(), shapes.radii)
-        np.testing.assert_array_equal(self.space.half_sizes(), shapes.half_sizes)
-        np.testing.assert_array_equal(self.space.categories(), own)
-        np.testing.assert_array_equal(self.space.masks(), wanted)
+        np.testing.assert_array_equal(self.space.get(ids).positions, shapes.centers)
+        assert self.space.ids.tolist() == list(self.shapes)  # in the order of adding
+        rows = self.space.rows(ids)
+        for column, expected in (
+            (self.space.positions, shapes.centers),
+            (self.space.radii, shapes.radii),
+            (self.space.half_sizes, shapes.half_sizes),
+            (self.space.categories, own),
+            (self.space.masks, wanted),
+        ):
+            np.testing.assert_array_equal(column[rows], expected)
 
 
 LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50, deadline=None)
@@ -253,13 +260,17 @@ def test_one_shape_at_a_time() -> None:
     space = jostle.Space()
     first, second = space.add((0, 0), 1.0), space.add(np.array([5.0, 0]), 1.0, (1, 2))
     assert (first, second) == (0, 1)
-    space.move(first, (4, 0))
-    space.resize(second, 0.5)
-    space.set_filter(first, 3, 5)
-    np.testing.assert_array_equal(space.centers(first), [4, 0])
-    assert (space.radii(second), space.categories(first), space.masks(first)) == (0.5, 3, 5)
-    np.testing.assert_array_equal(space.half_sizes(second), [1, 2])
-    assert isinstance(space.radii(second), float) and isinstance(space.masks(0), int)
+    space.set(first, positions=(4, 0))
+    space.set(second, radii=0.5)
+    space.set(first, categories=3, masks=5)
+    np.testing.assert_array_equal(space.get(first).positions, [4, 0])
+    assert (space.get(second).radii, space.get(first).categories, space.get(first).masks) == (
+        0.5,
+        3,
+        5,
+    )
+    np.testing.assert_array_equal(space.get(second).half_sizes, [1, 2])
+    assert isinstance(space.get(second).radii, float) and isinstance(space.get(0).masks, int)
     assert space.update().entered.tolist() == [[0, 1]]
     space.remove(np.int64(0))
     assert space.ids.tolist() == [1]
@@ -284,7 +295,7 @@ def test_the_dtype_decides_the_arithmetic(dtype: Any) -> None:
     assert space.dtype == np.dtype(dtype).name
     space.add(np.array([(0, 0), (2, 0)]), np.array([1, 1 + 1e-9]))
     assert len(space.pairs()) == (dtype == np.float64)
-    assert space.centers().dtype == space.radii().dtype == dtype
+    assert space.positions.dtype == space.radii.dtype == dtype
     assert jostle.Space().dtype == "float64"
 
 
@@ -305,24 +316,25 @@ def test_of_shapes_as_near_the_smaller_id_comes_first() -> None:
     space = jostle.Space()
     space.add([(0, 0)] * 500, 1.0)
     space.update()
-    space.move([3, 250], [(0.0, 1e-300)] * 2)  # fresh
+    space.set([3, 250], positions=[(0.0, 1e-300)] * 2)  # fresh
     space.update()
-    space.move(4, (0, -1e-300))
+    space.set(4, positions=(0, -1e-300))
     assert space.nearest((5, 0), k=6).ids.tolist() == [0, 1, 2, 3, 4, 5]
     assert space.raycast((5, 0), (-1, 0)).id == 0
     assert space.query_point((0, 0)).tolist() == list(range(500))
 
 
-def test_events_unpack_and_are_kept() -> None:
+def test_events_are_kept() -> None:
     space = jostle.Space()
     space.add([(0, 0), (1, 0), (9, 0)], 1.0)
-    entered, stayed, left = space.update()
+    events = space.update()
+    entered, stayed, left = events.entered, events.stayed, events.exited
     assert entered.tolist() == [[0, 1]] and stayed.tolist() == [] and left.tolist() == []
     assert {part.dtype for part in (entered, stayed, left)} == {np.dtype(np.int64)}
     assert stayed.shape == left.shape == (0, 2)
-    space.move(2, (2, 0))
+    space.set(2, positions=(2, 0))
     events = space.update()
-    assert repr(events) == "<jostle.Events: 1 entered, 0 left>"
+    assert repr(events) == "<jostle.Events: 1 entered, 0 exited>"
     assert events.entered is events.entered and events.stayed is events.stayed
     space.remove(0)
     space.update()
@@ -354,10 +366,11 @@ def test_threads_change_nothing() -> None:
         told = [space.update().entered]
         for step in (1, 7, 100):
             centers[::step] += 0.25
-            space.move(ids[::step], centers[::step])
+            space.set(ids[::step], positions=centers[::step])
             events = space.update()
-            told += [events.entered, events.stayed, events.left, space.pairs()]
-        return [*told, *space.nearest(centers[:2_000], 3), *space.query_circle(centers[:999], 2)]
+            told += [events.entered, events.stayed, events.exited, space.pairs()]
+        near, found = space.nearest(centers[:2_000], 3), space.query_circle(centers[:999], 2)
+        return [*told, near.ids, near.distances, found.ids, found.offsets]
 
     for one, two in zip(run(1), run(2), strict=True):
         np.testing.assert_array_equal(one, two)
@@ -367,34 +380,50 @@ def test_an_empty_space_answers() -> None:
     space = jostle.Space()
     assert space.pairs().shape == (0, 2) and space.ids.shape == (0,)
     assert space.add([]).shape == (0,) and space.add(np.empty((0, 2))).shape == (0,)
-    space.move([], [])
+    space.set([], positions=[])
     space.remove([])
     assert space.query_rect((0, 0, 1, 1)).shape == (0,)
     assert space.nearest((0, 0)).ids.tolist() == [-1]
-    assert space.raycast((0, 0), (1, 0)) == (-1, np.inf)
-    assert space.centers().shape == (0, 2) and space.radii([]).shape == (0,)
+    hit = space.raycast((0, 0), (1, 0))
+    assert (hit.id, hit.distance) == (-1, np.inf) and np.isnan(hit.point).all()
+    assert space.positions.shape == (0, 2) and space.get([]).radii.shape == (0,)
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda s: s.move(9, (0, 0)), "^ids is 9; no shape has this id"),
+        (lambda s: s.set(9, positions=(0, 0)), "^ids is 9; no shape has this id"),
         (lambda s: s.remove(1 << 80), "^ids is 1208925819614629174706176; no shape has this id"),
         (lambda s: s.remove(np.array([0, 1 << 63], "u8")), r"^ids\[1\] is 9223372036854775808; no"),
-        (lambda s: s.move(2, (0, 0)), "^ids is 2; its shape has been removed"),
-        (lambda s: s.move(0, (0, np.nan)), r"^centers is \(0, NaN\); both coordinates must be"),
-        (lambda s: s.move(0, [(0, 0)]), r"^centers has shape \(1, 2\); it must be \(2,\), as"),
-        (lambda s: s.move([0], (0, 0)), r"^centers has shape \(2,\); it must be \(1, 2\)"),
-        (lambda s: s.move([0, 1], [(0, 0)]), r"^centers has shape \(1, 2\); it must be \(2, 2\)"),
-        (lambda s: s.resize(0, -1), "^radii is -1; a radius must be finite and at least 0"),
-        (lambda s: s.resize([0, 1], [1, -1]), r"^radii\[1\] is -1; "),
-        (lambda s: s.resize([0, 1], [1]), r"^radii has shape \(1,\); it must be "),
-        (lambda s: s.set_filter(0, 1 << 32), "^categories is 4294967296; it must be a set of 32"),
+        (lambda s: s.set(2, positions=(0, 0)), "^ids is 2; its shape has been removed"),
+        (
+            lambda s: s.set(0, positions=(0, np.nan)),
+            r"^positions is \(0, NaN\); both coordinates must be",
+        ),
+        (
+            lambda s: s.set(0, positions=[(0, 0)]),
+            r"^positions has shape \(1, 2\); it must be \(2,\), as",
+        ),
+        (
+            lambda s: s.set([0], positions=(0, 0)),
+            r"^positions has shape \(2,\); it must be \(1, 2\)",
+        ),
+        (
+            lambda s: s.set([0, 1], positions=[(0, 0)]),
+            r"^positions has shape \(1, 2\); it must be \(2, 2\)",
+        ),
+        (lambda s: s.set(0, radii=-1), "^radii is -1; a radius must be finite and at least 0"),
+        (lambda s: s.set([0, 1], radii=[1, -1]), r"^radii\[1\] is -1; "),
+        (lambda s: s.set([0, 1], radii=[1]), r"^radii has shape \(1,\); it must be "),
+        (
+            lambda s: s.set(0, categories=1 << 32),
+            "^categories is 4294967296; it must be a set of 32",
+        ),
         (lambda s: s.add((0, 0), -1.0), "^radii is -1; "),
-        (lambda s: s.add((0, 0, 0)), r"^centers has shape \(3,\); "),
-        (lambda s: s.add((1e999, 0)), r"^centers is \(inf, 0\); "),
+        (lambda s: s.add((0, 0, 0)), r"^positions has shape \(3,\); "),
+        (lambda s: s.add((1e999, 0)), r"^positions is \(inf, 0\); "),
         (lambda s: s.remove([[0]]), r"^ids has shape \(1, 1\); it must be an integer or \(k,\)"),
-        (lambda s: s.centers([0, 5]), r"^ids\[1\] is 5; no shape has this id"),
+        (lambda s: s.get([0, 5]).positions, r"^ids\[1\] is 5; no shape has this id"),
     ],
 )
 def test_errors_name_argument_index_and_value(call: Any, message: str) -> None:
@@ -404,8 +433,8 @@ def test_errors_name_argument_index_and_value(call: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call(space)
     assert space.ids.tolist() == [0, 1]
-    np.testing.assert_array_equal(space.centers(), [(0, 0), (5, 5)])
-    np.testing.assert_array_equal(space.radii(), [1, 1])
+    np.testing.assert_array_equal(space.positions, [(0, 0), (5, 5)])
+    np.testing.assert_array_equal(space.radii, [1, 1])
 
 
 @pytest.mark.parametrize("wrong", [1.5, "a", True, [True], [0.5], None])
@@ -423,9 +452,9 @@ def test_too_many_pairs_leave_the_last_update_the_last() -> None:
         space.update(max_pairs=1224)
     assert len(space.update(max_pairs=1225).entered) == 1225
     # Unchanged and removed shapes are not counted.
-    space.move(0, (0.5, 0))
+    space.set(0, positions=(0.5, 0))
     space.remove(range(40, 50))
-    assert len(space.update(max_pairs=39).left) == 1225 - 780
+    assert len(space.update(max_pairs=39).exited) == 1225 - 780
 
 
 def test_several_threads_may_use_it_at_the_same_time() -> None:
@@ -434,7 +463,7 @@ def test_several_threads_may_use_it_at_the_same_time() -> None:
     def work(seed: int) -> None:
         for round in range(20):
             ids = space.add(uniform(500, seed=seed), 0.5)
-            space.move(ids, uniform(500, seed=seed + round))
+            space.set(ids, positions=uniform(500, seed=seed + round))
             space.pairs()
             space.update()
             space.remove(ids)
@@ -450,7 +479,37 @@ def test_long_calls_let_other_threads_run() -> None:
     seeds = itertools.count()
 
     def move() -> None:
-        space.move(ids, uniform(1_500_000, seed=next(seeds)))
+        space.set(ids, positions=uniform(1_500_000, seed=next(seeds)))
         space.update()
 
     assert lets_others_run(move)
+
+
+def test_columns_are_read_and_assigned() -> None:
+    """What is read can be assigned without an event; a refused column changes nothing."""
+    space = jostle.Space()
+    ids = space.add(uniform(50), np.linspace(0.1, 1, 50), masks=3)
+    tile = space.add(boxes=(0, 0, 0.1, 0.1))
+    space.remove(ids[::2])
+    space.update()
+    names = ("positions", "radii", "half_sizes", "boxes", "categories", "masks")
+    before = {name: getattr(space, name) for name in names}
+    for name in names:
+        setattr(space, name, before[name])
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(space, name)[0] = 1
+        with pytest.raises((ValueError, TypeError), match=f"^{name}"):
+            setattr(space, name, before[name][1:])
+    events = space.update()
+    assert len(events.entered) == len(events.exited) == 0
+    for name in names:
+        np.testing.assert_array_equal(getattr(space, name), before[name])
+        np.testing.assert_array_equal(getattr(space.get(space.ids), name), before[name])
+    assert space.ids.tolist() == [*ids[1::2].tolist(), tile]
+    assert space.rows([[tile], [ids[1]]]).tolist() == [[25], [0]] and space.rows(tile) == 25
+    space.radii = 2.0
+    assert (space.radii == 2).all() and space.get(tile).boxes.tolist() == [0, 0, 0.1, 0.1]
+    space.positions = np.add(space.positions, (1, 0))
+    np.testing.assert_array_equal(space.positions, before["positions"] + (1, 0))
+    with pytest.raises(ValueError, match=r"^ids\[1\] is 0; its shape has been removed"):
+        space.rows([1, 0])

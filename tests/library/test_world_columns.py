@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from results import fields
 from worlds import COLUMNS, NEW, columns, gas, three
 
 import jostle
@@ -97,8 +98,15 @@ def test_an_empty_world(nothing: Any) -> None:
     assert {name: column.shape for name, column in columns(world).items()} == {
         name: (0, 2) if name in ("positions", "velocities") else (0,) for name in COLUMNS
     }
-    assert [part.shape for part in world.contacts] == [(0, 2), (0, 2), (0,), (0,), (0,)]
-    assert [part.shape for part in world.wall_contacts] == [(0,), (0,), (0, 2), (0,), (0,), (0,)]
+    assert [part.shape for part in fields(world.contacts)] == [(0, 2), (0, 2), (0,), (0,), (0,)]
+    assert [part.shape for part in fields(world.wall_contacts)] == [
+        (0,),
+        (0,),
+        (0, 2),
+        (0,),
+        (0,),
+        (0,),
+    ]
     assert (world.momentum, world.kinetic_energy, world.potential_energy) == ((0, 0), 0, 0)
     assert world.add([(1, 1)], [(0, 0)], 1).tolist() == [0]
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import jostle
 
 STEP = 1 / 60
-COLUMNS = jostle.WorldParticles._fields[:-1]  # `World` has no attribute of kinds
+COLUMNS = jostle.Particles.__slots__[:-1]  # `World` has no attribute of kinds
 DTYPES = {"movable": bool, "sensors": bool, "categories": np.uint32, "masks": np.uint32}
 
 
@@ -57,7 +57,7 @@ def test_some_sleep_in_the_world_of_these_tests() -> None:
 def test_read_gives_rows_of_all_columns(rows: list[int]) -> None:
     world = jostle.World.restore(WORLD)
     found = world.read(world.ids[rows])
-    assert isinstance(found, jostle.WorldParticles)
+    assert isinstance(found, jostle.Particles)
     for name, column in columns(world).items():
         read = getattr(found, name)
         assert read.dtype == column.dtype, name
@@ -68,7 +68,7 @@ def test_read_gives_rows_of_all_columns(rows: list[int]) -> None:
 def test_read_of_one_id_gives_single_values(row: int) -> None:
     world = jostle.World.restore(WORLD)
     one = world.read(int(world.ids[row]))
-    assert isinstance(one, jostle.WorldParticle)
+    assert isinstance(one, jostle.Particle)
     for name, column in columns(world).items():
         value: Any = getattr(one, name)
         assert np.asarray(value, column.dtype).tolist() == column[row].tolist(), name
@@ -77,14 +77,13 @@ def test_read_of_one_id_gives_single_values(row: int) -> None:
 
 def test_what_is_read_can_be_added_and_set() -> None:
     world = jostle.World.restore(WORLD)
-    one = world.read(5)._replace(positions=(7, 20))
-    copy = world.add(**one._asdict())
-    for name, value in world.read(copy)._asdict().items():
-        np.testing.assert_array_equal(value, getattr(one, name), err_msg=name)
+    one = world.read(5).to_dict() | {"positions": (7, 20)}
+    copy = world.add(**one)
+    for name, value in world.read(copy).to_dict().items():
+        np.testing.assert_array_equal(value, one[name], err_msg=name)
     some = world.read([3, 6])
-    world.set([6, 3], **some._asdict())
-    for old, new in zip(some, world.read([6, 3]), strict=True):
-        np.testing.assert_array_equal(new, old)
+    world.set([6, 3], **some.to_dict())
+    assert world.read([6, 3]) == some
 
 
 def test_kinds_are_read_added_and_set() -> None:
@@ -93,7 +92,7 @@ def test_kinds_are_read_added_and_set() -> None:
     world.remove(0)
     assert world.read([2, 1]).kinds.tolist() == [1, 2] and world.read(1).kinds == 2
     assert type(world.read(1).kinds) is int and world.read([]).kinds.dtype == np.uint8
-    copy = world.add(**world.read(1)._replace(positions=(30, 0))._asdict())
+    copy = world.add(**world.read(1).to_dict() | {"positions": (30, 0)})
     assert world.read(copy).kinds == 2
     world.set([copy, 1], kinds=[1, 0], masses=2.0)
     assert world.forces[0].kinds.tolist() == [0, 1, 1]

@@ -18,12 +18,12 @@ Shapes = dict[str, np.ndarray]
 
 
 def discs(n: int, side: float = 30.0) -> Shapes:
-    return {"centers": RNG.uniform(0, side, (n, 2)), "radii": RNG.uniform(0.2, 1.0, n)}
+    return {"positions": RNG.uniform(0, side, (n, 2)), "radii": RNG.uniform(0.2, 1.0, n)}
 
 
 def split(rows: Shapes, where: Callable[[np.ndarray], np.ndarray]) -> Shapes:
     """This rank's share; `where` gives the rank of each row, in ascending order."""
-    count = len(rows["centers"])
+    count = len(rows["positions"])
     mine = where(np.arange(count) * COMM.size // max(count, 1)) == COMM.rank
     return {name: column[mine] for name, column in rows.items()}
 
@@ -59,29 +59,29 @@ def check_all(comm: MPI.Comm) -> None:
     check(discs(2000), period=(30.0, None), distance=0.3)
     # Far outside of the first period.
     rows = discs(1000)
-    rows["centers"] += RNG.integers(-3, 4, (1000, 2)) * 30.0
+    rows["positions"] += RNG.integers(-3, 4, (1000, 2)) * 30.0
     check(rows, period=30.0)
     # A period that is not much longer than the shapes.
-    check({"centers": RNG.uniform(0, 4, (60, 2)), "radii": np.full(60, 0.9)}, period=4.0)
+    check({"positions": RNG.uniform(0, 4, (60, 2)), "radii": np.full(60, 0.9)}, period=4.0)
     # Boxes, and shapes that are boxes or discs.
     rows = discs(2000) | {"half_sizes": RNG.uniform(0, 0.8, (2000, 2))}
     check(rows)
     # Coincident shapes, at the point where a plane of two ranks is divided.
     rows = discs(900)
-    rows["centers"][::3] = 15.0
+    rows["positions"][::3] = 15.0
     check(rows)
-    check({"centers": np.full((200, 2), 7.0), "radii": np.full(200, 1.0)})
+    check({"positions": np.full((200, 2), 7.0), "radii": np.full(200, 1.0)})
     # A giant shape across all ranks, and one shape that is far away.
     rows = discs(3000)
     rows["radii"][1234] = 40.0
     check(rows)
-    rows["centers"][77] = (1e9, -1e7)
+    rows["positions"][77] = (1e9, -1e7)
     check(rows)
-    rows["centers"][78:81] = [(1e300, 1e300), (-1e300, 0.0), (1e300, 1e300)]
+    rows["positions"][78:81] = [(1e300, 1e300), (-1e300, 0.0), (1e300, 1e300)]
     check(rows)
     # In float32, where the largest coordinates are not exact.
     rows = {name: column.astype(np.float32) for name, column in discs(2000).items()}
-    rows["centers"][::100] += np.float32(3e8)
+    rows["positions"][::100] += np.float32(3e8)
     check(rows)
     # Few large shapes among many points.
     rows = discs(4000)
@@ -94,9 +94,9 @@ def check_all(comm: MPI.Comm) -> None:
     # Fewer shapes than ranks, none, and all on one line.
     check(discs(2, 0.5))
     check(discs(1))
-    check({"centers": np.zeros((0, 2)), "radii": np.zeros(0)})
+    check({"positions": np.zeros((0, 2)), "radii": np.zeros(0)})
     rows = discs(800, 200.0)
-    rows["centers"][:, 1] = 3.0
+    rows["positions"][:, 1] = 3.0
     check(rows)
     # Categories and masks.
     rows = discs(2000)
@@ -105,10 +105,12 @@ def check_all(comm: MPI.Comm) -> None:
     check(rows)
     # Two clusters far from each other.
     rows = discs(2000)
-    rows["centers"][::2] += 1e7
+    rows["positions"][::2] += 1e7
     check(rows)
     # A plain number for all, in the precision of the arrays.
-    points = split({"centers": RNG.uniform(0, 20, (500, 2)).astype(np.float32)}, evenly)["centers"]
+    points = split({"positions": RNG.uniform(0, 20, (500, 2)).astype(np.float32)}, evenly)[
+        "positions"
+    ]
     found = jostle.mpi.find_pairs(COMM, points, 0.3, (0.2, 0.1))
     whole = np.concatenate(COMM.allgather(points))
     assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(whole, 0.3, (0.2, 0.1)))
@@ -126,8 +128,8 @@ def check_shares() -> None:
     """All ranks find about as many pairs, wherever the shapes are, even if one is far away."""
     share = split(discs(8000, 80.0), on_last)
     for far in ((40.0, 40.0), (1e12, -1e11), (-1e300, 1e-300)):
-        if len(share["centers"]):
-            share["centers"][1234] = far
+        if len(share["positions"]):
+            share["positions"][1234] = far
         counts = COMM.allgather(len(jostle.mpi.find_pairs(COMM, **share)))
         assert max(counts) < 2 * sum(counts) / COMM.size + 10, (far, counts)
 

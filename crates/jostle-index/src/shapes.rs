@@ -179,8 +179,8 @@ impl<T: Scalar> Shapes<T> {
         // Positions are checked first, so the first wrong argument in the order of the parameters
         // is reported.
         let mut shapes = Self { centers, radii, half_sizes, boxes: None, filters, period };
-        check_finite("centers", &shapes.centers)?;
-        shapes.validate("centers")?;
+        check_finite("positions", &shapes.centers)?;
+        shapes.validate("positions")?;
         shapes.radii = shapes.radii.simplified();
         Ok(shapes)
     }

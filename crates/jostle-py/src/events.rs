@@ -16,9 +16,8 @@ use crate::space::PySpace;
 /// Changes of the overlapping pairs of a space between two updates.
 ///
 /// Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
-/// Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
-/// for every pair in the space; to avoid it, read the other attributes by name. Unpacking, copying and
-/// pickling read it too, so after the next update they are errors unless it was read before.
+/// `stayed` takes time for every pair in the space, when it is first read. Copying and pickling read it
+/// too, so after the next update they are errors unless it was read before.
 ///
 /// See Also
 /// --------
@@ -32,7 +31,7 @@ use crate::space::PySpace;
 /// >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
 /// >>> events = space.update()
 /// >>> events
-/// <jostle.Events: 1 entered, 0 left>
+/// <jostle.Events: 1 entered, 0 exited>
 /// >>> events.entered
 /// array([[0, 1]])
 #[pyclass(module = "jostle", name = "Events", frozen)]
@@ -42,7 +41,7 @@ pub struct PyEvents {
     space: Option<Py<PySpace>>,
     entered: PyOnceLock<Pairs>,
     stayed: PyOnceLock<Pairs>,
-    left: PyOnceLock<Pairs>,
+    exited: PyOnceLock<Pairs>,
 }
 
 type Pairs = Py<PyArray2<Id>>;
@@ -56,16 +55,16 @@ pub fn restore_events(
     py: Python<'_>,
     entered: &Bound<'_, PyAny>,
     stayed: &Bound<'_, PyAny>,
-    left: &Bound<'_, PyAny>,
+    exited: &Bound<'_, PyAny>,
 ) -> PyResult<PyEvents> {
     let read = |name, value| Argument::integers(name, value)?.id_pairs();
     let mut events = Events::default();
     events.entered = read("entered", entered)?;
-    events.left = read("left", left)?;
+    events.left = read("exited", exited)?;
     let pairs = table(py, read("stayed", stayed)?)?.unbind();
-    let [entered, known, left] = [const { PyOnceLock::new() }; 3];
+    let [entered, known, exited] = [const { PyOnceLock::new() }; 3];
     known.get_or_init(py, || pairs);
-    Ok(PyEvents { events, space: None, entered, stayed: known, left })
+    Ok(PyEvents { events, space: None, entered, stayed: known, exited })
 }
 
 #[pymethods]
@@ -97,33 +96,28 @@ impl PyEvents {
     /// Pairs that overlapped at the previous update and do not now, also because a shape was
     /// removed: ndarray of int64, shape (m, 2).
     #[getter]
-    fn left<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        kept(py, &self.left, || copied(py, &self.events.left))
-    }
-
-    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let parts = [self.entered(py)?, self.stayed(py)?, self.left(py)?];
-        Ok(PyTuple::new(py, parts)?.try_iter()?.into_any())
+    fn exited<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        kept(py, &self.exited, || copied(py, &self.events.left))
     }
 
     /// What pickle and copy store: all three arrays.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         let restore = py.import("jostle._core")?.getattr("restore_events")?;
-        let parts = [self.entered(py)?, self.stayed(py)?, self.left(py)?];
+        let parts = [self.entered(py)?, self.stayed(py)?, self.exited(py)?];
         Ok((restore, PyTuple::new(py, parts)?))
     }
 
     fn __repr__(&self) -> String {
-        let Events { entered, left, .. } = &self.events;
-        format!("<jostle.Events: {} entered, {} left>", entered.len(), left.len())
+        let Events { entered, left: exited, .. } = &self.events;
+        format!("<jostle.Events: {} entered, {} exited>", entered.len(), exited.len())
     }
 }
 
 impl PyEvents {
     /// The events of an update of `space`.
     pub fn of(events: Events, space: Py<PySpace>) -> Self {
-        let [entered, stayed, left] = [const { PyOnceLock::new() }; 3];
-        Self { events, space: Some(space), entered, stayed, left }
+        let [entered, stayed, exited] = [const { PyOnceLock::new() }; 3];
+        Self { events, space: Some(space), entered, stayed, exited }
     }
 }
 

@@ -23,14 +23,14 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Parameters
 /// ----------
-/// centers : array_like, shape (n, 2), optional
+/// positions : array_like, shape (n, 2), optional
 ///     Centres, in any unit of length; required unless `boxes` is given.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
-///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
 ///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
 ///     width and height. The four numbers are compared without rounding:
@@ -66,7 +66,7 @@ use crate::shapes::{Rows, Shapes};
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold numbers, or if not exactly one of `centers` and `boxes`
+///     If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
 ///     is given.
 /// ValueError
 ///     If a shape is wrong, a value is not finite, a size is negative or out of range, or
@@ -110,18 +110,18 @@ use crate::shapes::{Rows, Shapes};
 #[pyfunction]
 #[pyo3(
     signature = (
-        centers=None, radii=Given::NOTHING, half_sizes=None,
+        positions=None, radii=Given::NOTHING, half_sizes=None,
         *, boxes=None, categories=None, masks=None, distance=Given::NOTHING, period=None,
         method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING, threads=None,
     ),
-    text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, categories=None, \
+    text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, categories=None, \
                       masks=None, distance=0.0, period=None, method='auto', sort=False, \
                       max_pairs=134217728, threads=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
 pub fn find_pairs<'py>(
     py: Python<'py>,
-    centers: Maybe<'_, 'py>,
+    positions: Maybe<'_, 'py>,
     radii: Given<'py>,
     half_sizes: Maybe<'_, 'py>,
     boxes: Maybe<'_, 'py>,
@@ -142,7 +142,7 @@ pub fn find_pairs<'py>(
         max_pairs: settings::max_pairs(&max_pairs)?,
         threads: settings::threads(threads)?,
     };
-    let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [categories, masks])?;
+    let shapes = Shapes::read([positions, half_sizes, boxes], &radii, [categories, masks])?;
     let pairs = detached(py, || match shapes {
         Shapes::Single(rows) => search.run(rows),
         Shapes::Double(rows) => search.run(rows),

@@ -2,10 +2,11 @@
 
 use jostle_base::Id;
 use jostle_index::Each;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
-use crate::arrays::long_ids;
+use crate::arrays::{column, long_ids};
 use crate::error::type_error;
 use crate::queries::result_of;
 
@@ -15,6 +16,28 @@ pub fn one_id(value: &Bound<'_, PyAny>, hint: &str) -> PyResult<Option<Id>> {
         return Err(type_error("the left side of `in`", &format!("one id; {hint}"), value));
     }
     Ok(if value.is_instance_of::<PyBool>() { None } else { value.extract().ok() })
+}
+
+/// The rows of ids in an array of any shape, in an array of this shape; of one id one row. `of` is what they
+/// identify, `rows_of` finds the rows.
+pub fn rows_of_any_shape<'py>(
+    ids: &Bound<'py, PyAny>,
+    of: &str,
+    rows_of: impl FnOnce(&[Id]) -> PyResult<jostle_base::Result<Vec<i64>>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = ids.py();
+    let array = py.import("numpy")?.call_method1("asarray", (ids,))?;
+    let shape = array.getattr("shape")?;
+    // A list stays as it is, because its error names the first item that is no integer.
+    let is_flat = shape.len()? < 2;
+    let flat = if is_flat { ids.clone() } else { array.call_method1("reshape", (-1,))? };
+    let ids = Ids::read(&flat, of)?;
+    let rows = ids.result_of(rows_of(&ids.all)?)?;
+    if ids.single {
+        return rows[0].into_bound_py_any(py);
+    }
+    let rows = column(py, rows).into_any();
+    if is_flat { Ok(rows) } else { rows.call_method1("reshape", (shape,)) }
 }
 
 /// The argument `ids` of a call.

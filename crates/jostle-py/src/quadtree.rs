@@ -40,14 +40,14 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Parameters
 /// ----------
-/// centers : array_like, shape (n, 2), optional
+/// positions : array_like, shape (n, 2), optional
 ///     Centres, in any unit of length; required unless `boxes` is given.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
-///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
 ///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
 ///     width and height. The four numbers are compared without rounding:
@@ -77,7 +77,7 @@ use crate::shapes::{Rows, Shapes};
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold numbers, or if not exactly one of `centers` and `boxes`
+///     If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
 ///     is given.
 /// ValueError
 ///     If a shape is wrong, a value is not finite, or a size or a setting is out of range.
@@ -136,14 +136,7 @@ macro_rules! with_counted_tree {
     };
 }
 
-query_methods!(
-    PyQuadtree,
-    with_counted_tree,
-    "tree",
-    "tree = jostle.Quadtree(",
-    "Row numbers",
-    "row"
-);
+query_methods!(PyQuadtree, with_counted_tree);
 
 impl PyQuadtree {
     /// A tree of the core.
@@ -181,18 +174,18 @@ impl PyQuadtree {
     #[new]
     #[pyo3(
         signature = (
-            centers=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, categories=None,
+            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, categories=None,
             masks=None, period=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
             threads=None,
         ),
-        text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
+        text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, \
                           categories=None, masks=None, period=None, leaf_capacity=96, \
                           max_depth=4096, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
         py: Python<'py>,
-        centers: Maybe<'_, 'py>,
+        positions: Maybe<'_, 'py>,
         radii: Given<'py>,
         half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
@@ -205,7 +198,7 @@ impl PyQuadtree {
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
         let period = settings::period(period)?;
-        let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [categories, masks])?;
+        let shapes = Shapes::read([positions, half_sizes, boxes], &radii, [categories, masks])?;
         let tree = detached(py, || Tree::build(shapes, settings, period))?.map_err(refused)?;
         Ok(Self { tree, tests: AtomicU64::new(0) })
     }
@@ -289,7 +282,7 @@ impl PyQuadtree {
         if has_boxes {
             kwargs.set_item("boxes", self.boxes(py)?)?;
         } else {
-            kwargs.set_item("centers", self.centers(py)?)?;
+            kwargs.set_item("positions", self.positions(py)?)?;
             if with_tree!(&self.tree, tree => tree.columns().has_half_sizes()) {
                 kwargs.set_item("half_sizes", self.half_sizes(py)?)?;
             }

@@ -7,7 +7,7 @@ use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::arrays::{Argument, Given, PointLists, column, count, number, single_mask};
+use crate::arrays::{Argument, Given, PointLists, column, count, long_ids, number, single_mask};
 use crate::error::refused;
 use crate::interrupt::detached;
 use crate::results;
@@ -23,6 +23,11 @@ pub type Answer<R> = PyResult<jostle_base::Result<R>>;
 /// The categories of a query; None for all shapes, also those without categories.
 pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
     value.map(|value| single_mask("mask", value)).transpose()
+}
+
+/// The ids that queries do not find; None excludes nothing.
+pub fn excluded(value: Maybe<'_, '_>) -> PyResult<Option<Each<i64>>> {
+    value.map(|value| long_ids("exclude", value, "shape")).transpose()
 }
 
 /// The maximum distances of queries, one for all or one for each. `len` returns the number of queries
@@ -54,12 +59,18 @@ pub fn result_of<V>(result: jostle_base::Result<V>, single: bool) -> PyResult<V>
 fn region<'py, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
     many: bool,
+    exclude: Option<&Each<i64>>,
     regions: impl FnOnce() -> jostle_base::Result<Vec<R>> + Send,
     search: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let answer = || -> Answer<Hits<i64>> {
         match regions() {
-            Ok(regions) => Ok(search(&regions)?.and_then(results::with_long_ids)),
+            Ok(regions) => {
+                Ok(search(&regions)?.and_then(results::with_long_ids).and_then(|mut hits| {
+                    exclude.map_or(Ok(()), |ids| hits.exclude(ids))?;
+                    Ok(hits)
+                }))
+            }
             Err(error) => Ok(Err(error)),
         }
     };
@@ -83,13 +94,14 @@ fn rows_of<V>(asked: &Each<V>) -> (bool, &[V]) {
 pub fn rect<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     rect: &Bound<'py, PyAny>,
+    exclude: Option<&Each<i64>>,
     search: impl FnOnce(&[Rect<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let sides = sides(rect, &SIDES)?;
     let asked: Each<[T; 4]> =
         Argument::reals("rect", sides.as_ref().unwrap_or(rect))?.one_or_rows()?;
     let (many, rects) = rows_of(&asked);
-    region(py, many, || Rect::all(rects), search)
+    region(py, many, exclude, || Rect::all(rects), search)
 }
 
 /// Attributes with the sides of pygame's Rect, which NumPy would read as x, y, width and
@@ -146,11 +158,12 @@ fn sides_of_one<'py>(
 pub fn point<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     point: &Bound<'py, PyAny>,
+    exclude: Option<&Each<i64>>,
     search: impl FnOnce(&[Point<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     let (many, points) = rows_of(&asked);
-    region(py, many, || Point::all(points), search)
+    region(py, many, exclude, || Point::all(points), search)
 }
 
 /// `query_circle`.
@@ -158,33 +171,34 @@ pub fn circle<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     center: &Bound<'py, PyAny>,
     radius: &Bound<'py, PyAny>,
+    exclude: Option<&Each<i64>>,
     search: impl FnOnce(&[Circle<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let radius = Argument::reals("radius", radius)?;
     let centers: Each<[T; 2]> = Argument::reals("center", center)?.one_or_rows()?;
     let len = centers.len().map_or_else(|| radius.rows_if_any(), |len| Ok(Some(len)))?;
     let radii = radius.real_each(len.unwrap_or(1))?;
-    region(py, len.is_some(), || Circle::all(&centers, &radii), search)
+    region(py, len.is_some(), exclude, || Circle::all(&centers, &radii), search)
 }
 
 /// `query_polygon`.
 pub fn polygon<'py, T: Scalar + Element, I: Send + Into<i64>>(
     py: Python<'py>,
     vertices: &Bound<'py, PyAny>,
+    exclude: Option<&Each<i64>>,
     search: impl FnOnce(&[Polygon<T>]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let PointLists { points, many } = Argument::reals("vertices", vertices)?.one_or_more_lists()?;
     let Some((polygons, corners)) = many else {
         // The row in the error is that of a corner, not of a query.
         let polygon = Polygon::new(&points).map_err(refused)?;
-        let answer = || PyResult::Ok(search(&[polygon])?.and_then(results::with_long_ids));
-        return Ok(column(py, detached(py, answer)??.map_err(refused)?.ids).into_any());
+        return region(py, false, exclude, || Ok(vec![polygon]), search);
     };
     let polygon = |index: usize| {
         Polygon::new(&points[index * corners..(index + 1) * corners])
             .map_err(|error| of_polygon(index, error))
     };
-    region(py, true, || (0..polygons).map(polygon).collect(), search)
+    region(py, true, exclude, || (0..polygons).map(polygon).collect(), search)
 }
 
 /// Adds the index of a polygon to an error about a corner.
@@ -201,80 +215,77 @@ fn of_polygon(polygon: usize, error: Error) -> Error {
     }
 }
 
-/// `nearest`.
+/// `nearest`; `wanted` is the number of shapes, the maximum distances and the ids that are not found.
 pub fn nearest<'py, T: Scalar + Element>(
     py: Python<'py>,
     point: &Bound<'py, PyAny>,
-    k: &Given<'py>,
-    max_distance: &Given<'py>,
+    (k, max_distance, exclude): (&Given<'py>, &Given<'py>, Option<&Each<i64>>),
     search: impl FnOnce(&[[T; 2]], (usize, Each<T>)) -> Answer<Neighbors<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let k = k.value().map_or(Ok(1), |k| count("k", k, 1))?;
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
     let max_distance = max_distances(max_distance, |_| asked.len())?;
-    match &asked {
-        Each::One(one) => {
-            let found = detached(py, || search(std::slice::from_ref(one), (k, max_distance)))??;
-            results::neighbors(py, result_of(found, true)?, None)
-        }
-        Each::Rows(rows) => {
-            let found = detached(py, || search(rows, (k, max_distance)))??.map_err(refused)?;
-            results::neighbors(py, found, Some((rows.len(), k)))
-        }
-    }
+    let (many, points) = rows_of(&asked);
+    let answer = || -> Answer<Neighbors<T>> {
+        let Some(ids) = exclude else { return search(points, (k, max_distance)) };
+        let found = search(points, (k.saturating_add(1), max_distance))?;
+        Ok(found.and_then(|mut found| found.exclude(k, ids).map(|()| found)))
+    };
+    let found = result_of(detached(py, answer)??, !many)?;
+    results::neighbors(py, found, many.then_some((points.len(), k)))
 }
 
 /// The rays of a cast.
 pub struct Cast<'a, 'py> {
     pub origin: Asked<'a, 'py>,
     pub direction: Asked<'a, 'py>,
-    /// The half sizes of boxes.
-    pub half_size: Maybe<'a, 'py>,
-    /// The radii of discs, or of the corners of boxes.
-    pub radius: Maybe<'a, 'py>,
+    /// The half sizes and the radii of moving shapes.
+    pub sizes: (Maybe<'a, 'py>, Maybe<'a, 'py>),
     pub max_distance: &'a Given<'py>,
-    /// Whether all hits are found, not only the first.
-    pub all: bool,
+    pub exclude: Maybe<'a, 'py>,
 }
 
-/// `raycast` and the other casts.
+/// `raycast` and the other casts; `all` hits, or the first of each.
 pub fn cast<'py, T: Scalar + Element>(
     py: Python<'py>,
     cast: &Cast<'_, 'py>,
+    all: bool,
     search: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let radius = cast.radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
+    let (half_sizes, radii) = cast.sizes;
+    let radii = radii.map(|radii| Argument::reals("radii", radii)).transpose()?;
+    let half_sizes = half_sizes.map(|sizes| Argument::reals("half_sizes", sizes)).transpose()?;
     let direction = Argument::reals("direction", cast.direction)?;
     let origins: Each<[T; 2]> = Argument::reals("origin", cast.origin)?.one_or_rows()?;
     let directions: Each<[T; 2]> = direction.one_or_rows()?;
-    let radii_len = radius.as_ref().map_or(Ok(None), Argument::rows_if_any)?;
-    let len = origins.len().or(directions.len()).or(radii_len);
-    let mut all = len;
+    let radii_len = radii.as_ref().map_or(Ok(None), Argument::rows_if_any)?;
+    let sizes_len = half_sizes.as_ref().and_then(Argument::rows_of_pairs);
+    let others = origins.len().or(directions.len()).or(radii_len).or(sizes_len);
+    let mut len = others;
     let max_distances = max_distances(cast.max_distance, |rows| {
-        all = len.or(rows);
-        all
+        len = others.or(rows);
+        len
     })?;
-    let len = all;
     if let (Each::Rows(rows), Some(len)) = (&directions, len)
         && rows.len() != len
     {
         return Err(direction.wrong_shape(&format!("(2,) or ({len}, 2)")));
     }
     let rows = len.unwrap_or(1);
-    let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(rows))?;
-    let half_size = cast.half_size.map(|size| Argument::reals("half_size", size)).transpose()?;
-    let half_sizes = half_size.map_or(Ok(Each::One([T::ZERO; 2])), |size| size.half_sizes(rows))?;
-    let hits = || match Ray::of_boxes(&origins, &directions, (&half_sizes, &radii), &max_distances)
-    {
-        Ok(rays) => search(&rays),
-        Err(error) => Ok(Err(error)),
+    let radii = radii.map_or(Ok(Each::One(T::ZERO)), |radii| radii.real_each(rows))?;
+    let half_sizes =
+        half_sizes.map_or(Ok(Each::One([T::ZERO; 2])), |sizes| sizes.half_sizes(rows))?;
+    let exclude = excluded(cast.exclude)?.unwrap_or(Each::One(-1));
+    let rays = || {
+        let rays = Ray::of_boxes(&origins, &directions, (&half_sizes, &radii), &max_distances)?;
+        Ray::excluding(rays, &exclude)
     };
-    let hits = detached(py, hits)??;
-    match (len, cast.all) {
-        (Some(_), false) => results::ray_hits(py, hits.map_err(refused)?),
-        (Some(_), true) => results::ray_hit_lists(py, hits.map_err(refused)?),
-        (None, false) => results::ray_hit(py, &result_of(hits, true)?),
-        (None, true) => results::ray_hits(py, result_of(hits, true)?),
+    let hits = || rays().map_or_else(|error| Ok(Err(error)), |rays| search(&rays));
+    let hits = result_of(detached(py, hits)??, len.is_none())?;
+    match (len, all) {
+        (Some(_), true) => results::ray_hit_lists(py, hits),
+        (Some(_), false) | (None, true) => results::ray_hits(py, hits),
+        (None, false) => results::ray_hit(py, &hits),
     }
 }
 

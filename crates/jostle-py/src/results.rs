@@ -1,10 +1,10 @@
-//! Results of several arrays, as named tuples of `jostle.results`.
+//! Results of several arrays, as classes of `jostle.results`.
 
 use jostle_base::interrupt::Pulse;
 use jostle_base::memory;
-use jostle_index::Scalar;
 use jostle_index::pairs::Overlaps;
 use jostle_index::query::{Hits, Neighbors, RayHits};
+use jostle_index::{Scalar, Shape};
 use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
 use jostle_world::{Collisions, Particles, Spin, Touch, TouchEvents, WallTouch};
@@ -63,7 +63,7 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
     CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
 }
 
-/// `jostle.WorldParticles`, or `jostle.WorldParticle` of a `single` one.
+/// `jostle.Particles`, or `jostle.Particle` of a `single` one.
 pub fn world_particles(py: Python<'_>, all: Particles, single: bool) -> PyResult<Bound<'_, PyAny>> {
     static CLASSES: [PyOnceLock<Py<PyAny>>; 2] = [PyOnceLock::new(), PyOnceLock::new()];
     let rows = 0..all.len();
@@ -86,7 +86,7 @@ pub fn world_particles(py: Python<'_>, all: Particles, single: bool) -> PyResult
         field(py, sensors, single)?,
         field(py, kinds, single)?,
     ];
-    let class = if single { "WorldParticle" } else { "WorldParticles" };
+    let class = if single { "Particle" } else { "Particles" };
     let class = CLASSES[usize::from(single)].import(py, "jostle.results", class)?;
     class.call1(PyTuple::new(py, fields)?)
 }
@@ -129,6 +129,35 @@ value!(f32, decimal);
 value!(u8, u8::from);
 value!(u32, u32::from);
 value!(bool, bool::from);
+
+/// `jostle.Shapes`, or `jostle.Shape` of a `single` one.
+pub fn shapes<'py, T: Element + Scalar>(
+    py: Python<'py>,
+    all: &[Shape<T>],
+    single: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    static CLASSES: [PyOnceLock<Py<PyAny>>; 2] = [PyOnceLock::new(), PyOnceLock::new()];
+    fn rows<'py, T: Element, const W: usize>(
+        py: Python<'py>,
+        rows: Vec<[T; W]>,
+        single: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let table = table(py, rows)?.into_any();
+        if single { table.get_item(0) } else { Ok(table) }
+    }
+    let radii = column(py, all.iter().map(|shape| shape.radius).collect()).into_any();
+    let fields = [
+        rows(py, all.iter().map(Shape::center).collect(), single)?,
+        if single { radii.get_item(0)?.call_method0("item")? } else { radii },
+        rows(py, all.iter().map(Shape::core_half_size).collect(), single)?,
+        rows(py, all.iter().map(Shape::core).collect(), single)?,
+        field(py, all.iter().map(|shape| shape.category).collect(), single)?,
+        field(py, all.iter().map(|shape| shape.mask).collect(), single)?,
+    ];
+    let class = if single { "Shape" } else { "Shapes" };
+    let class = CLASSES[usize::from(single)].import(py, "jostle.results", class)?;
+    class.call1(PyTuple::new(py, fields)?)
+}
 
 /// `jostle.WorldEvents`.
 pub fn world_events(py: Python<'_>, all: TouchEvents) -> PyResult<Bound<'_, PyAny>> {
@@ -193,11 +222,11 @@ pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle_base::Result<Hits<i64
     Ok(Hits { offsets, ids: long, tests })
 }
 
-/// `jostle.Hits`.
+/// `jostle.IdLists`.
 pub fn hits(py: Python<'_>, all: Hits<i64>) -> PyResult<Bound<'_, PyAny>> {
-    static HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static LISTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
-    HITS.import(py, "jostle.results", "Hits")?.call1((column(py, offsets), column(py, all.ids)))
+    LISTS.import(py, "jostle.results", "IdLists")?.call1((column(py, all.ids), column(py, offsets)))
 }
 
 /// `jostle.Neighbors`; `shape` is that of the arrays for many points.
@@ -209,25 +238,29 @@ pub fn neighbors<T: Element>(
     static NEIGHBORS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let class = NEIGHBORS.import(py, "jostle.results", "Neighbors")?;
     match shape {
-        None => class.call1((column(py, all.distances), column(py, all.ids))),
+        None => class.call1((column(py, all.ids), column(py, all.distances))),
         Some(shape) => {
-            class.call1((matrix(py, all.distances, shape)?, matrix(py, all.ids, shape)?))
+            class.call1((matrix(py, all.ids, shape)?, matrix(py, all.distances, shape)?))
         }
     }
 }
 
 /// `jostle.RayHit`.
-pub fn ray_hit<'py, T: Scalar>(py: Python<'py>, all: &RayHits<T>) -> PyResult<Bound<'py, PyAny>> {
+pub fn ray_hit<'py, T: Element + Scalar>(
+    py: Python<'py>,
+    all: &RayHits<T>,
+) -> PyResult<Bound<'py, PyAny>> {
     static RAY_HIT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let [x, y] = all.normals[0].map(T::to_f64);
-    let fields = (all.ids[0], all.distances[0].to_f64(), (x, y));
+    let [point, normal] = [all.points[0], all.normals[0]].map(|pair| column(py, pair.to_vec()));
+    let fields = (all.ids[0], all.distances[0].to_f64(), point, normal);
     RAY_HIT.import(py, "jostle.results", "RayHit")?.call1(fields)
 }
 
 /// `jostle.RayHits`.
 pub fn ray_hits<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
     static RAY_HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (column(py, all.ids), column(py, all.distances), table(py, all.normals)?);
+    let (ids, distances) = (column(py, all.ids), column(py, all.distances));
+    let fields = (ids, distances, table(py, all.points)?, table(py, all.normals)?);
     RAY_HITS.import(py, "jostle.results", "RayHits")?.call1(fields)
 }
 
@@ -236,7 +269,8 @@ pub fn ray_hit_lists<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bo
     static LISTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
     let (ids, distances) = (column(py, all.ids), column(py, all.distances));
-    let fields = (column(py, offsets), ids, distances, table(py, all.normals)?);
+    let (points, normals) = (table(py, all.points)?, table(py, all.normals)?);
+    let fields = (ids, distances, points, normals, column(py, offsets));
     LISTS.import(py, "jostle.results", "RayHitLists")?.call1(fields)
 }
 

@@ -23,7 +23,7 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// Parameters
 /// ----------
-/// centers : array_like, shape (n, 2)
+/// positions : array_like, shape (n, 2)
 ///     Centres, in any unit of length.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
@@ -32,15 +32,15 @@ use crate::shapes::{Rows, Shapes};
 /// weights : array_like, a number or shape (n,), default 1.0
 ///     Weights above 0. Of two overlapping shapes, one with twice the weight of the other moves
 ///     half as far.
-/// fixed : array_like of bool, shape (n,), optional
-///     Whether shapes stay where they are. Pairs of two fixed shapes may overlap.
+/// movable : array_like of bool, True or False or shape (n,), default True
+///     Whether shapes may move; the others stay where they are. Pairs of two others may overlap.
 /// axis : {0, 1}, optional
 ///     Move the shapes only along x (0) or only along y (1). If rounds do not succeed, the shapes
 ///     are placed one after another at the nearest free positions, as in a swarm plot.
 /// gap : float, default 0.0
 ///     Least distance between the surfaces of two shapes.
 /// bounds : array_like, shape (4,), optional
-///     Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside
+///     Region as min_x, min_y, max_x, max_y: all movable shapes are moved inside
 ///     entirely; with `axis`, along that axis alone.
 /// max_rounds : int, default 1000
 ///     Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
@@ -57,13 +57,13 @@ use crate::shapes::{Rows, Shapes};
 /// Separated
 ///     The new positions, and the number of remaining overlaps.
 ///
-///     centers : ndarray of float32 or float64, shape (n, 2)
+///     positions : ndarray of float32 or float64, shape (n, 2)
 ///         The new centres.
 ///     rounds : int
 ///         Number of rounds, at most `max_rounds`; placing along an axis counts as one.
 ///     overlaps : int
-///         Number of pairs that still overlap, or are closer than `gap`, without pairs of two fixed
-///         shapes; 0 if the shapes are separated.
+///         Number of pairs that still overlap, or are closer than `gap`, without pairs of two
+///         that may not move; 0 if the shapes are separated.
 ///
 /// Raises
 /// ------
@@ -92,7 +92,7 @@ use crate::shapes::{Rows, Shapes};
 /// --------
 /// >>> import jostle
 /// >>> apart = jostle.separate([(0, 0), (1, 0), (9, 0)], radii=1.0, tolerance=0)
-/// >>> apart.centers.round(3)
+/// >>> apart.positions.round(3)
 /// array([[-0.5,  0. ],
 ///        [ 1.5,  0. ],
 ///        [ 9. ,  0. ]])
@@ -101,22 +101,22 @@ use crate::shapes::{Rows, Shapes};
 #[pyfunction]
 #[pyo3(
     signature = (
-        centers, radii=Given::NOTHING, half_sizes=None, *, weights=Given::NOTHING, fixed=None,
+        positions, radii=Given::NOTHING, half_sizes=None, *, weights=Given::NOTHING, movable=None,
         axis=None, gap=Given::NOTHING, bounds=None, max_rounds=Given::NOTHING,
         tolerance=Given::NOTHING, threads=None,
     ),
-    text_signature = "(centers, radii=0.0, half_sizes=None, *, weights=1.0, fixed=None, \
+    text_signature = "(positions, radii=0.0, half_sizes=None, *, weights=1.0, movable=True, \
                       axis=None, gap=0.0, bounds=None, max_rounds=1000, tolerance=0.01, \
                       threads=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
 pub fn separate<'py>(
     py: Python<'py>,
-    centers: &Bound<'py, PyAny>,
+    positions: &Bound<'py, PyAny>,
     radii: Given<'py>,
     half_sizes: Maybe<'_, 'py>,
     weights: Given<'py>,
-    fixed: Maybe<'_, 'py>,
+    movable: Maybe<'_, 'py>,
     axis: Maybe<'_, 'py>,
     gap: Given<'py>,
     bounds: Maybe<'_, 'py>,
@@ -129,7 +129,7 @@ pub fn separate<'py>(
     };
     let rules = Rules {
         weights,
-        fixed: fixed.map(|fixed| Argument::booleans("fixed", fixed)).transpose()?,
+        movable: movable.map(|value| Argument::booleans("movable", value)).transpose()?,
         axis: axis.map(read_axis).transpose()?,
         gap: read("gap", &gap, 0.0)?,
         bounds: bounds.map(|bounds| Argument::reals("bounds", bounds)).transpose()?,
@@ -140,7 +140,7 @@ pub fn separate<'py>(
         tolerance: read("tolerance", &tolerance, DEFAULT_TOLERANCE)?,
         threads: settings::threads(threads)?,
     };
-    match Shapes::read([Some(centers), half_sizes, None], &radii, [None, None])? {
+    match Shapes::read([Some(positions), half_sizes, None], &radii, [None, None])? {
         Shapes::Single(rows) => rules.run(py, rows),
         Shapes::Double(rows) => rules.run(py, rows),
     }
@@ -156,7 +156,7 @@ fn read_axis(value: &Bound<'_, PyAny>) -> PyResult<usize> {
 /// The arguments except the shapes.
 struct Rules<'py> {
     weights: Given<'py>,
-    fixed: Option<Argument<'py>>,
+    movable: Option<Argument<'py>>,
     axis: Option<usize>,
     gap: f64,
     bounds: Option<Argument<'py>>,
@@ -181,9 +181,9 @@ impl Rules<'_> {
         let rules = Separation {
             weights: reals("weights", self.weights.value(), rows.len())?
                 .unwrap_or(Each::One(T::ONE)),
-            fixed: match &self.fixed {
-                None => Each::One(false),
-                Some(fixed) => fixed.truth_each(rows.len())?,
+            movable: match &self.movable {
+                None => Each::One(true),
+                Some(movable) => movable.truth_each(rows.len())?,
             },
             axis: self.axis,
             gap: T::from_f64(self.gap),

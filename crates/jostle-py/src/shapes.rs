@@ -42,23 +42,23 @@ pub enum Where<'py> {
 impl<'py> Where<'py> {
     /// Reads the given argument. Refuses both and neither.
     pub fn read(
-        centers: Maybe<'_, 'py>,
+        positions: Maybe<'_, 'py>,
         half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
     ) -> PyResult<Self> {
-        let message = match (centers, half_sizes, boxes) {
-            (Some(centers), _, None) => return Self::centers(centers),
+        let message = match (positions, half_sizes, boxes) {
+            (Some(positions), _, None) => return Self::centers(positions),
             (None, None, Some(boxes)) => {
                 let sides = sides(boxes, &[SIDES_OF_RECT])?;
                 let boxes = Argument::reals("boxes", sides.as_ref().unwrap_or(boxes))?;
                 return Ok(Self::Boxes(boxes));
             }
             (None, _, None) => {
-                "centers or boxes must be given: centers of shape (n, 2), or boxes of shape (n, 4), \
+                "positions or boxes must be given: positions of shape (n, 2), or boxes of shape (n, 4), \
                  which are min_x, min_y, max_x, max_y"
             }
             (Some(_), _, Some(_)) => {
-                "centers and boxes are both given; boxes take the place of centers, so leave out centers"
+                "positions and boxes are both given; boxes take the place of positions, so leave out positions"
             }
             (None, Some(_), Some(_)) => {
                 "half_sizes and boxes are both given; boxes take the place of half_sizes, so leave out \
@@ -69,7 +69,7 @@ impl<'py> Where<'py> {
     }
 
     fn centers(value: &Bound<'py, PyAny>) -> PyResult<Self> {
-        let centers = Argument::reals("centers", value)?;
+        let centers = Argument::reals("positions", value)?;
         if centers.is_like_boxes() {
             let expected = "(n, 2); rectangles are given as boxes=, with min_x, min_y, max_x, \
                             max_y of each, or as pygame's Rects";
@@ -151,11 +151,11 @@ impl<T: Scalar> Positions<T> {
 impl Shapes {
     /// Copies the arguments that `find_pairs` and `Quadtree` share.
     pub fn read<'py>(
-        [centers, half_sizes, boxes]: [Maybe<'_, 'py>; 3],
+        [positions, half_sizes, boxes]: [Maybe<'_, 'py>; 3],
         radii: &Given<'py>,
         [categories, masks]: [Maybe<'_, 'py>; 2],
     ) -> PyResult<Self> {
-        let positions = Where::read(centers, half_sizes, boxes)?;
+        let positions = Where::read(positions, half_sizes, boxes)?;
         let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
         let half_sizes =
             half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;

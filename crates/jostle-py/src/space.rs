@@ -79,11 +79,11 @@ pub use saved::restore_space;
 /// >>> import jostle
 /// >>> space = jostle.Space()
 /// >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
-/// >>> space.move(ids[1], (1.5, 0))
+/// >>> space.set(ids[1], positions=(1.5, 0))
 /// >>> space.update().entered
 /// array([[0, 1]])
 /// >>> space.remove(0)
-/// >>> space.update().left
+/// >>> space.update().exited
 /// array([[0, 1]])
 #[pyclass(module = "jostle", name = "Space", frozen)]
 pub struct PySpace {
@@ -96,14 +96,7 @@ enum Either {
     Double(Shared<Space<f64>>),
 }
 
-query_methods!(
-    PySpace,
-    with_space,
-    "space",
-    "space = jostle.Space()\n>>> ids = space.add(",
-    "Ids",
-    "id"
-);
+query_methods!(PySpace, with_space);
 
 #[pymethods]
 impl PySpace {

@@ -66,7 +66,7 @@ impl<T: Scalar> Input<T> {
     pub(crate) fn of(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Self> {
         let body = |row: usize| {
             let shape = shapes.shape(row);
-            let weight = if rules.fixed.at(row) { T::INFINITY } else { rules.weights.at(row) };
+            let weight = if rules.movable.at(row) { rules.weights.at(row) } else { T::INFINITY };
             Body { half: shape.core_half_size(), radius: shape.radius, weight }
         };
         let all: Vec<Body<T>> = memory::collect((0..shapes.len()).map(body))?;

@@ -16,8 +16,8 @@ pub const DEFAULT_TOLERANCE: f64 = 0.01;
 pub struct Separation<T> {
     /// Weights: of two overlapping shapes, each moves in proportion to the weight of the other.
     pub weights: Each<T>,
-    /// Whether shapes stay where they are.
-    pub fixed: Each<bool>,
+    /// Whether shapes may move; the others stay where they are.
+    pub movable: Each<bool>,
     /// The only axis along which shapes move, 0 or 1; None for both.
     pub axis: Option<usize>,
     /// Least distance between the surfaces of two shapes.
@@ -37,7 +37,7 @@ impl<T: Scalar> Default for Separation<T> {
     fn default() -> Self {
         Self {
             weights: Each::One(T::ONE),
-            fixed: Each::One(false),
+            movable: Each::One(true),
             axis: None,
             gap: T::ZERO,
             bounds: None,
@@ -53,7 +53,7 @@ pub(crate) fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Res
     let len = shapes.len();
     Settings { threads: rules.threads, ..Settings::default() }.validate()?;
     rules.weights.check_len("weights", len)?;
-    rules.fixed.check_len("fixed", len)?;
+    rules.movable.check_len("movable", len)?;
     rules.weights.check(|weights| {
         let fits = |w: &T| *w > T::ZERO && *w <= T::MAX_SIZE;
         // NaN fails the comparisons and is refused like any other weight.
@@ -73,7 +73,7 @@ pub(crate) fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Res
     }
     let Some(bounds) = rules.bounds else { return Ok(()) };
     check_rects("bounds", &[bounds]).map_err(Error::without_row)?;
-    let too_large = |row: &usize| !rules.fixed.at(*row) && !fits(shapes, *row, rules, bounds);
+    let too_large = |row: &usize| rules.movable.at(*row) && !fits(shapes, *row, rules, bounds);
     match (0..len).find(too_large) {
         None => Ok(()),
         Some(row) => {

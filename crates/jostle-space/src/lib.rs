@@ -1,6 +1,6 @@
 //! Shapes with ids that are added, moved, changed and removed, and the events of their pairs.
 //!
-//! `slots` holds the shapes, `layers` the trees over them. `touching` holds the pairs of the last
+//! `slots` holds the shapes, `rows` the order of adding, `layers` the trees over them. `touching` holds the pairs of the last
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
 //! them with the current pairs, only for the shapes in `changes`. `walking` moves shapes that slide
 //! along others and along `walls`: `walks` computes their motions, `floors` has what they stand on,
@@ -14,6 +14,7 @@
 
 mod saved;
 mod slots;
+mod rows;
 mod layers;
 mod keys;
 mod links;
@@ -39,5 +40,5 @@ mod walking;
 pub use events::Events;
 pub use pairs::Wanted;
 pub use saved::Saved;
-pub use space::Space;
+pub use space::{ShapeChanges, Space};
 pub use walking::Slides;

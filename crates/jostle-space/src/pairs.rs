@@ -55,17 +55,17 @@ impl<T: Scalar> Space<T> {
         Overlaps::of(pairs, 0, &self.period, |pair| pair.map(shape_of))
     }
 
-    /// For each id in the order of [`Space::ids`], the ids of all shapes whose gap to it is below
-    /// `distance`, ascending, itself left out.
+    /// For each shape, in the order of adding, the ids of all shapes whose gap to it is below `distance`, in that
+    /// order too, itself left out.
     pub fn neighbors(&mut self, distance: T, mask: Option<u32>) -> Result<Hits<Id>> {
         let wanted = Wanted { distance, mask, max_pairs: MAX_IDS / 2 };
         let mut pairs = self.pairs_of_slots(&wanted).map_err(|error| match error {
             Error::TooManyPairs { .. } => Error::TooManyIds { limit: MAX_IDS },
             other => other,
         })?;
-        let ids = self.slots.ids()?;
+        let ids = self.rows.ids(&self.slots);
         let mut rows: Vec<u32> = memory::filled(self.slots.count(), 0)?;
-        for (row, slot) in (0..).zip(self.slots.look_up(&ids)?) {
+        for (row, slot) in (0..).zip(self.slots.look_up(ids)?) {
             rows[slot as usize] = row;
         }
         let mut pulse = Pulse::current();

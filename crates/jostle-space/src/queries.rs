@@ -1,7 +1,5 @@
 //! Queries of a space: each tree is queried, and fresh shapes are tested one by one.
 
-use std::borrow::Cow;
-
 use super::space::Space;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -132,22 +130,17 @@ impl<T: Scalar> Space<T> {
     /// The first shape that each ray hits; at equal distances that with the smaller id. If there is
     /// a `mask`, only shapes with a category in it.
     pub fn first_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
-        let rays = self.prepare_rays(rays)?;
-        query::first_hits_by(&rays, self.settings.threads, |best| self.look_along(mask, best))
+        self.prepare(rays.len())?;
+        let (period, threads) = (self.period, self.settings.threads);
+        query::first_hits_by(rays, &period, threads, |best| self.look_along(mask, best))
     }
 
     /// All shapes that each ray hits, nearest first. If there is a `mask`, only shapes with a
     /// category in it.
     pub fn all_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
-        let rays = self.prepare_rays(rays)?;
-        query::all_hits_by(&rays, self.settings.threads, |all| self.look_along(mask, all))
-    }
-
-    /// Checks rays in a periodic plane and prepares the trees for them.
-    fn prepare_rays<'r>(&mut self, rays: &'r [Ray<T>]) -> Result<Cow<'r, [Ray<T>]>> {
-        let rays = Ray::in_period(rays, &self.period)?;
         self.prepare(rays.len())?;
-        Ok(rays)
+        let (period, threads) = (self.period, self.settings.threads);
+        query::all_hits_by(rays, &period, threads, |all| self.look_along(mask, all))
     }
 
     fn look_along(&self, mask: Option<u32>, best: &mut impl RayPath<T>) {

@@ -17,6 +17,8 @@ pub struct Saved<T> {
     pub generations: Vec<u32>,
     /// Slots to be used again, the last one first.
     pub free: Vec<u32>,
+    /// The ids of all shapes, in the order of adding.
+    pub ids: Vec<Id>,
     /// Pairs of slots at the last update.
     pub pairs: Vec<[u32; 2]>,
     /// Slots that have changed since.

@@ -4,6 +4,7 @@ use super::changes::Changes;
 use super::floors::Floors;
 use super::keys::{Key, key_of, slots_of};
 use super::layers::Layers;
+use super::rows::Rows;
 use super::saved::Saved;
 use super::slots::{Slots, VACANT};
 use super::space::Space;
@@ -11,6 +12,7 @@ use super::touching::Touching;
 use super::traces::Traces;
 use super::walls::Walls;
 use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_base::settings::Settings;
 use jostle_index::geometry::Scalar;
@@ -21,8 +23,9 @@ use jostle_index::shapes::{
 
 impl<T: Scalar> Space<T> {
     /// The contents of this space.
-    pub fn save(&self) -> Result<Saved<T>> {
+    pub fn save(&mut self) -> Result<Saved<T>> {
         let mut saved = self.slots.save()?;
+        saved.ids = memory::collect(self.rows.ids(&self.slots).iter().copied())?;
         saved.pairs = memory::collect(self.touching.all()?.into_iter().map(slots_of))?;
         saved.changed = memory::collect(self.changes.slots.iter().copied())?;
         saved.leaving = memory::collect(self.changes.leaving.iter().copied())?;
@@ -60,6 +63,7 @@ impl<T: Scalar> Space<T> {
         let floors = Floors::restore(&saved, count)?;
         let traces = Traces::restore(&mut saved, count)?;
         let walls = Walls::new(std::mem::take(&mut saved.walls), &period, settings)?;
+        let rows = Rows::of(std::mem::take(&mut saved.ids));
         let slots = Slots::restore(saved)?;
         let mut layers = Layers::of(period);
         layers.widen(count)?;
@@ -68,7 +72,7 @@ impl<T: Scalar> Space<T> {
         // builds one tree of all.
         slots.present().for_each(|slot| layers.freshen(slot));
         let touching = Touching::of(keys);
-        Ok(Self { settings, period, slots, layers, touching, changes, floors, traces, walls })
+        Ok(Self { settings, period, slots, rows, layers, touching, changes, floors, traces, walls })
     }
 }
 
@@ -87,6 +91,18 @@ fn is_consistent<T>(saved: &Saved<T>) -> bool {
         return false;
     }
     let is_vacant = |slot: u32| saved.generations[slot as usize] & VACANT != 0;
+    let present = saved.generations.iter().filter(|generation| **generation & VACANT == 0).count();
+    // Each shape once: as many different ids as there are shapes, each of a slot with its generation.
+    let is_present = |id: &Id| {
+        let generation = saved.generations.get(*id as u32 as usize);
+        *id >= 0 && generation.is_some_and(|generation| Id::from(*generation) == *id >> 32)
+    };
+    let mut ids = saved.ids.clone();
+    ids.sort_unstable();
+    ids.dedup();
+    if ids.len() != saved.ids.len() || ids.len() != present || !ids.iter().all(is_present) {
+        return false;
+    }
     // A slot that is free twice would be given to two shapes.
     let once = |list: &[&Vec<u32>]| {
         let mut all: Vec<u32> = list.iter().flat_map(|list| list.iter().copied()).collect();

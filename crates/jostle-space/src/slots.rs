@@ -6,9 +6,7 @@
 use super::saved::Saved;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
-use jostle_base::interrupt::Pulse;
 use jostle_base::memory;
-use jostle_base::sorting;
 use jostle_index::geometry::{Scalar, Shape, middle};
 use jostle_index::shapes::{
     DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, ShapeColumns, Shapes, corners, middle_of,
@@ -123,17 +121,6 @@ impl<T: Scalar> Slots<T> {
         })
     }
 
-    /// All ids, ascending.
-    pub(super) fn ids(&self) -> Result<Vec<Id>> {
-        let present = self.generations.iter().zip(0..).filter(|(g, _)| **g & VACANT == 0);
-        let mut ids: Vec<Id> = memory::with_capacity(self.len)?;
-        ids.extend(present.map(|(_, slot)| self.id(slot)));
-        if !ids.is_sorted() {
-            sorting::sort(&mut ids, &mut Pulse::current())?;
-        }
-        Ok(ids)
-    }
-
     /// Reserves memory for `more` shapes.
     pub(super) fn reserve(&mut self, shapes: &Shapes<T>) -> Result<()> {
         let more = shapes.len();
@@ -222,7 +209,7 @@ impl<T: Scalar> Slots<T> {
         if more <= self.free.len() || self.count() + (more - self.free.len()) <= MAX_ROWS {
             return Ok(());
         }
-        Err(Error::of("centers", more, "a space has room for 2147483647 shapes in all"))
+        Err(Error::of("positions", more, "a space has room for 2147483647 shapes in all"))
     }
 
     /// A slot for one more shape.
@@ -479,7 +466,6 @@ mod tests {
         assert!(!slots.are_ids());
         let third = slots.put(&disc(2.0));
         assert_eq!((third, slots.id(third), slots.slot(0)), (first, 1 << 32, None));
-        assert_eq!(slots.ids().unwrap(), [1, 1 << 32]);
     }
 
     #[test]
@@ -491,7 +477,6 @@ mod tests {
         slots.remove(slot);
         slots.free(slot);
         assert_eq!(slots.put(&disc(0.0)), 1);
-        assert_eq!(slots.ids().unwrap(), [1]);
     }
 
     #[test]

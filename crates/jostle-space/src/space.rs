@@ -3,11 +3,12 @@
 use super::changes::Changes;
 use super::floors::Floors;
 use super::layers::Layers;
+use super::rows::Rows;
 use super::slots::Slots;
 use super::touching::Touching;
 use super::traces::Traces;
 use super::walls::Walls;
-use jostle_base::error::{Error, Result};
+use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_base::settings::Settings;
@@ -17,18 +18,63 @@ use jostle_index::shapes::{
     Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
 };
 
+/// New values of some columns, each with one value for all of some shapes or one for each. None leaves a column as
+/// it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShapeChanges<T> {
+    /// Centres.
+    pub positions: Option<Each<[T; 2]>>,
+    /// In place of centres and half sizes, boxes: min x, min y, max x, max y.
+    pub boxes: Option<Each<[T; 4]>>,
+    /// Half widths and half heights.
+    pub half_sizes: Option<Each<[T; 2]>>,
+    /// Radii.
+    pub radii: Option<Each<T>>,
+    /// Categories.
+    pub categories: Option<Each<u32>>,
+    /// Masks.
+    pub masks: Option<Each<u32>>,
+}
+
+impl<T: Scalar> ShapeChanges<T> {
+    /// Refuses columns that do not have `len` values, and values out of range.
+    fn validate(&self, len: usize) -> Result<()> {
+        if let Some(positions) = &self.positions {
+            positions.check_len("positions", len)?;
+            positions.check(|positions| check_finite("positions", positions))?;
+        }
+        if let Some(boxes) = &self.boxes {
+            boxes.check_len("boxes", len)?;
+            boxes.check(|boxes| check_boxes("boxes", boxes))?;
+        }
+        if let Some(half_sizes) = &self.half_sizes {
+            half_sizes.check_len("half_sizes", len)?;
+            check_each_half_size("half_sizes", half_sizes)?;
+        }
+        if let Some(radii) = &self.radii {
+            radii.check_len("radii", len)?;
+            radii.check(|radii| check_radii("radii", radii))?;
+        }
+        for (argument, bits) in [("categories", &self.categories), ("masks", &self.masks)] {
+            bits.as_ref().map_or(Ok(()), |bits| bits.check_len(argument, len))?;
+        }
+        Ok(())
+    }
+}
+
 /// Shapes that change.
 ///
 /// ```
 /// # mod jostle {
 /// #     pub use jostle_base::{error::Error, settings::Settings};
 /// #     pub use jostle_index::{Each, Shapes};
-/// #     pub use jostle_space::Space;
+/// #     pub use jostle_space::{ShapeChanges, Space};
 /// # }
-/// use jostle::{Each, Settings, Shapes, Space};
+/// use jostle::{Each, Settings, ShapeChanges, Shapes, Space};
 /// let mut space = Space::new(Settings::default())?;
 /// let ids = space.add(&Shapes::circles(vec![[0.0, 0.0], [5.0, 0.0]], Each::One(1.0))?)?;
-/// space.move_to(&ids[1..], &[[1.0, 0.0]])?;
+/// let to = ShapeChanges { positions: Some(Each::One([1.0, 0.0])), ..ShapeChanges::default() };
+/// space.set(&ids[1..], &to)?;
 /// assert_eq!(space.update(1000)?.entered, [[0, 1]]);
 /// # Ok::<(), jostle::Error>(())
 /// ```
@@ -37,6 +83,7 @@ pub struct Space<T> {
     pub(super) settings: Settings,
     pub(super) period: Period<T>,
     pub(super) slots: Slots<T>,
+    pub(super) rows: Rows,
     pub(super) layers: Layers<T>,
     pub(super) touching: Touching,
     pub(super) changes: Changes,
@@ -58,6 +105,7 @@ impl<T: Scalar> Space<T> {
             settings,
             period,
             slots: Slots::default(),
+            rows: Rows::default(),
             layers: Layers::of(period),
             touching: Touching::default(),
             changes: Changes::default(),
@@ -82,9 +130,14 @@ impl<T: Scalar> Space<T> {
         self.slots.slot(id).is_some()
     }
 
-    /// The ids of all shapes, ascending.
-    pub fn ids(&self) -> Result<Vec<Id>> {
-        self.slots.ids()
+    /// The ids of all shapes, in the order of adding. The first call after a removal visits all of them.
+    pub fn ids(&mut self) -> Result<Vec<Id>> {
+        memory::collect(self.rows.ids(&self.slots).iter().copied())
+    }
+
+    /// The row of each of these ids in that order. Refuses ids that no shape has.
+    pub fn rows_of(&mut self, ids: &[Id]) -> Result<Vec<i64>> {
+        self.rows.rows_of(ids, &self.slots)
     }
 
     /// The settings of its trees.
@@ -108,6 +161,7 @@ impl<T: Scalar> Space<T> {
         self.slots.check_room(shapes.len())?;
         // All memory is reserved first, so that a failure changes nothing.
         self.slots.reserve(shapes)?;
+        self.rows.reserve(shapes.len())?;
         self.reserve_changes(shapes.len())?;
         let count = self.slots.count() + shapes.len();
         // Everything that has an entry for each slot grows together, before the first shape is
@@ -122,6 +176,7 @@ impl<T: Scalar> Space<T> {
             // one.
             self.traces.start(slot);
             self.note(slot);
+            self.rows.push(self.slots.id(slot));
             ids.push(self.slots.id(slot));
         }
         Ok(ids)
@@ -133,75 +188,36 @@ impl<T: Scalar> Space<T> {
         self.layers.reserve_fresh(more)
     }
 
-    /// Sets the centres of shapes. A shape given as a box is stored as its centre and half its size
-    /// from then on, which are rounded. Refuses ids that no shape has or that are given twice, and
-    /// centres that are not finite; then nothing changes.
-    pub fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()> {
-        if centers.len() != ids.len() {
-            let (found, expected) = (centers.len(), ids.len());
-            return Err(Error::Length { argument: "centers", found, expected });
-        }
-        check_finite("centers", centers)?;
+    /// Changes columns of shapes. Refuses ids that no shape has or that are given twice, and values out of range;
+    /// then nothing changes. A shape given as a box is stored as its centre and half its size once one of these
+    /// is set to another value.
+    pub fn set(&mut self, ids: &[Id], new: &ShapeChanges<T>) -> Result<()> {
+        new.validate(ids.len())?;
+        let filters = new.categories.is_some() || new.masks.is_some();
+        self.slots.reserve_columns(0, [new.half_sizes.is_some(), filters])?;
         let period = self.period;
-        let set = |slots: &mut Slots<T>, slot, row: usize| {
-            slots.set_center(slot, period.wrap(centers[row]))
-        };
-        self.change(ids, true, set)
-    }
-
-    /// Sets the cores of shapes to boxes `[min_x, min_y, max_x, max_y]`; radii stay the same.
-    /// Errors as in [`Space::move_to`].
-    pub fn move_to_boxes(&mut self, ids: &[Id], boxes: &[[T; 4]]) -> Result<()> {
-        if boxes.len() != ids.len() {
-            let (found, expected) = (boxes.len(), ids.len());
-            return Err(Error::Length { argument: "boxes", found, expected });
-        }
-        check_boxes("boxes", boxes)?;
-        let period = self.period;
-        self.change(ids, true, |slots, slot, row| {
-            let moved = period.wrap_corners(corners(&boxes[row]));
-            slots.set_box(slot, moved)
-        })
-    }
-
-    /// Sets radii, half sizes or both. Refuses invalid values.
-    pub fn resize(
-        &mut self,
-        ids: &[Id],
-        radii: Option<&Each<T>>,
-        half_sizes: Option<&Each<[T; 2]>>,
-    ) -> Result<()> {
-        if let Some(radii) = radii {
-            radii.check_len("radii", ids.len())?;
-            radii.check(|radii| check_radii("radii", radii))?;
-        }
-        if let Some(half_sizes) = half_sizes {
-            half_sizes.check_len("half_sizes", ids.len())?;
-            check_each_half_size("half_sizes", half_sizes)?;
-        }
-        self.slots.reserve_columns(0, [half_sizes.is_some(), false])?;
-        self.change(ids, false, |slots, slot, row| {
-            let radius = radii.is_some_and(|radii| slots.set_radius(slot, radii.at(row)));
-            let half = half_sizes.is_some_and(|sizes| slots.resize(slot, sizes.at(row)));
-            radius || half
-        })
-    }
-
-    /// Sets categories, masks or both.
-    pub fn set_filter(
-        &mut self,
-        ids: &[Id],
-        categories: Option<&Each<u32>>,
-        masks: Option<&Each<u32>>,
-    ) -> Result<()> {
-        for (argument, bits) in [("categories", categories), ("masks", masks)] {
-            bits.map_or(Ok(()), |bits| bits.check_len(argument, ids.len()))?;
-        }
-        self.slots.reserve_columns(0, [false, true])?;
-        self.change(ids, false, |slots, slot, row| {
-            let old = slots.shape(slot);
-            let category = categories.map_or(old.category, |bits| bits.at(row));
-            slots.set_filter(slot, [category, masks.map_or(old.mask, |bits| bits.at(row))])
+        let is_motion = new.positions.is_some() || new.boxes.is_some();
+        self.change(ids, is_motion, |slots, slot, row| {
+            let mut changed = false;
+            if let Some(boxes) = &new.boxes {
+                changed |= slots.set_box(slot, period.wrap_corners(corners(&boxes.at(row))));
+            }
+            if let Some(positions) = &new.positions {
+                changed |= slots.set_center(slot, period.wrap(positions.at(row)));
+            }
+            if let Some(half_sizes) = &new.half_sizes {
+                changed |= slots.resize(slot, half_sizes.at(row));
+            }
+            if let Some(radii) = &new.radii {
+                changed |= slots.set_radius(slot, radii.at(row));
+            }
+            if filters {
+                let old = slots.shape(slot);
+                let category = new.categories.as_ref().map_or(old.category, |bits| bits.at(row));
+                let mask = new.masks.as_ref().map_or(old.mask, |bits| bits.at(row));
+                changed |= slots.set_filter(slot, [category, mask]);
+            }
+            changed
         })
     }
 
@@ -222,6 +238,7 @@ impl<T: Scalar> Space<T> {
         self.reserve_changes(slots.len())?;
         self.slots.reserve_free(slots.len())?;
         self.touching.prepare_has(self.slots.count())?;
+        self.rows.remove_some();
         for slot in slots {
             self.slots.remove(slot);
             self.layers.remove(slot);
@@ -272,6 +289,7 @@ impl<T: Scalar> Space<T> {
     /// Allocated bytes, used or not.
     pub fn memory_bytes(&self) -> usize {
         self.slots.memory_bytes()
+            + self.rows.memory_bytes()
             + self.layers.memory_bytes()
             + self.touching.memory_bytes()
             + self.changes.memory_bytes()

@@ -12,4 +12,4 @@ pub use jostle_index::{
 };
 pub use jostle_separate::{Separated, Separation, separate};
 pub use jostle_slide::SlideRules;
-pub use jostle_space::{Events, Saved, Slides, Space, Wanted};
+pub use jostle_space::{Events, Saved, ShapeChanges, Slides, Space, Wanted};

@@ -1,5 +1,6 @@
 //! A call may be interrupted at any poll: all objects then keep their state.
 
+use crate::common::SetShapes;
 use std::cell::Cell;
 
 use jostle_base::interrupt::watch;

@@ -9,7 +9,7 @@ use jostle_space::Space;
 use jostle_space::Wanted;
 use proptest::prelude::*;
 
-use crate::common::{Raw, built, coordinate, settings, shapes, size};
+use crate::common::{Raw, SetShapes, built, coordinate, settings, shapes, size};
 
 fn side() -> impl Strategy<Value = f64> {
     prop_oneof![

@@ -4,7 +4,7 @@ use jostle_base::Settings;
 use jostle_index::query::{
     self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, RayPath, Rect, Region,
 };
-use jostle_index::{Each, Quadtree, Scalar, Shapes};
+use jostle_index::{Each, Period, Quadtree, Scalar, Shapes};
 use jostle_simd::{self as simd, Instructions};
 use proptest::prelude::*;
 
@@ -124,14 +124,15 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
             Ray::all(&Each::Rows(places.clone()), &Each::Rows(typed(&asked.ways)), &radii, reach)
                 .expect("valid");
         let found = query::first_hits(&tree, &rays, mask).unwrap();
-        let seen = query::first_hits_by(&rays, Some(1), |best: &mut FirstHit<T>| {
-            for row in 0..shapes.len() {
-                let shape = shapes.shape(row);
-                if query::selects(mask, shape.category) {
-                    best.offer(&shape, row as u64);
+        let seen =
+            query::first_hits_by(&rays, &Period::default(), Some(1), |best: &mut FirstHit<T>| {
+                for row in 0..shapes.len() {
+                    let shape = shapes.shape(row);
+                    if query::selects(mask, shape.category) {
+                        best.offer(&shape, row as u64);
+                    }
                 }
-            }
-        });
+            });
         let seen = seen.unwrap();
         assert_eq!((found.ids, found.distances), (seen.ids, seen.distances));
     }

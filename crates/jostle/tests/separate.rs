@@ -44,7 +44,7 @@ fn shapes<T: Scalar>(rows: &[Row]) -> Shapes<T> {
 fn run<T: Scalar>(rows: &[Row], rules: &Separation<T>) -> Separated<T> {
     let rules = Separation {
         weights: Each::Rows(rows.iter().map(|row| T::from_f64(row.3)).collect()),
-        fixed: Each::Rows(rows.iter().map(|row| row.4).collect()),
+        movable: Each::Rows(rows.iter().map(|row| !row.4).collect()),
         ..rules.clone()
     };
     separate(&shapes(rows), &rules).unwrap()

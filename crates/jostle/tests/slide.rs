@@ -1,5 +1,6 @@
 //! `move_and_slide` against brute force: never inside, never through, and in any order.
 
+use crate::common::SetShapes;
 use jostle_base::Id;
 use jostle_base::Settings;
 use jostle_base::settings::DEFAULT_MAX_PAIRS;

@@ -1,5 +1,6 @@
 //! A space against a list of shapes and brute force, through long runs of changes.
 
+use crate::common::SetShapes;
 use std::collections::BTreeMap;
 
 use jostle_base::ids::Id;
@@ -236,7 +237,10 @@ impl<T: Scalar> Trial<T> {
                 let (ids, _) = self.named(which, |one| *one);
                 self.remove(&ids);
             }
-            Call::RemoveAll => self.remove(&self.space.ids().unwrap()),
+            Call::RemoveAll => {
+                let ids = self.space.ids().unwrap();
+                self.remove(&ids);
+            }
             Call::Update => self.update(),
             Call::Pairs => {
                 let mut found = self.space.pairs(None, DEFAULT_MAX_PAIRS).expect("they fit");
@@ -377,7 +381,7 @@ impl<T: Scalar> Trial<T> {
         boxes[row][3] = -T::ONE;
         let told = [
             ("boxes", self.space.move_to_boxes(&ids, &boxes)),
-            ("centers", self.space.move_to(&ids, &centers)),
+            ("positions", self.space.move_to(&ids, &centers)),
             ("radii", self.space.resize(&ids, Some(&radii), None)),
             ("half_sizes", self.space.resize(&ids, Some(&Each::One(T::ONE)), Some(&halves))),
         ];
@@ -390,11 +394,13 @@ impl<T: Scalar> Trial<T> {
         assert!(error.ends_with("it is given twice"), "{error}");
     }
 
-    fn check(&self) {
+    fn check(&mut self) {
         self.space.check().expect("its invariants hold");
         assert_eq!(self.space.len(), self.shapes.len());
         let ids: Vec<Id> = self.shapes.keys().copied().collect();
-        assert_eq!(self.space.ids().unwrap(), ids);
+        let mut found = self.space.ids().unwrap();
+        found.sort_unstable();
+        assert_eq!(found, ids);
         let shapes = self.space.read(&ids, |shape| shape).expect("they are there");
         assert!(shapes.iter().eq(self.shapes.values()));
     }

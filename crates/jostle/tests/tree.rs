@@ -373,11 +373,11 @@ fn refusals_name_argument_index_and_value() {
     );
     assert_eq!(
         refuse(vec![0.0, f32::NAN], vec![1.0; 2], None),
-        "centers[1] is (NaN, 0); both coordinates must be finite"
+        "positions[1] is (NaN, 0); both coordinates must be finite"
     );
     assert_eq!(
         refuse(vec![0.0, f32::INFINITY], vec![1.0; 2], None),
-        "centers[1] is (inf, 0); both coordinates must be finite"
+        "positions[1] is (inf, 0); both coordinates must be finite"
     );
     assert_eq!(
         refuse(vec![0.0; 2], vec![1.0], None),

@@ -134,7 +134,7 @@ def _home(tree: jostle.Nodes, point: NDArray[np.floating]) -> int:
     found = np.flatnonzero(held.all(axis=1) & tree.is_leaf)
     inside = found[(point < tree.boxes[found, 2:]).all(axis=1)]
     found = inside if len(inside) else found
-    return int(max(found, key=lambda index: (tree.depths[index], index)))
+    return int(max(found, key=lambda index: (tree.levels[index], index)))
 
 
 def _leaf(frame: Frame, tree: jostle.Nodes, index: int) -> Leaf:
@@ -144,7 +144,7 @@ def _leaf(frame: Frame, tree: jostle.Nodes, index: int) -> Leaf:
     reach = frame.radii[inside, None]
     low = (places[inside] - reach).min(axis=0, initial=np.inf)
     high = (places[inside] + reach).max(axis=0, initial=-np.inf)
-    return Leaf(_rect(box), int(tree.depths[index]), int(tree.counts[index]), _rect([*low, *high]))
+    return Leaf(_rect(box), int(tree.levels[index]), int(tree.counts[index]), _rect([*low, *high]))
 
 
 def _describe(leaf: Leaf) -> str:

@@ -128,7 +128,7 @@ def draw_filled(painter: Painter, tree: jostle.Nodes, camera: Camera) -> Legend 
     """Fill the leaves by their level."""
     corners, shown = _on_screen(tree, camera, tree.is_leaf)
     filled = [blend(STAGE, (r, g, b), FILL_SHARE) for r, g, b in _colours(tree).tolist()]
-    painter.rects(corners, np.array(filled, np.uint8)[tree.depths[shown]], filled=True)
+    painter.rects(corners, np.array(filled, np.uint8)[tree.levels[shown]], filled=True)
     return None
 
 
@@ -146,13 +146,13 @@ def draw_heat(painter: Painter, tree: jostle.Nodes, camera: Camera) -> Legend | 
 
 def draw_outline(painter: Painter, tree: jostle.Nodes, camera: Camera) -> Legend | None:
     """Outline every box; deep levels and small boxes are fainter."""
-    corners, shown = _on_screen(tree, camera, np.ones(len(tree.depths), np.bool_))
+    corners, shown = _on_screen(tree, camera, np.ones(len(tree.levels), np.bool_))
     if len(shown) == 0:
         return None
-    levels = tree.depths[shown]
+    levels = tree.levels[shown]
     edges, owner = _edges(corners, levels)
     levels, sides = levels[owner], np.ptp(corners[:, [0, 2]], axis=1)[owner]
-    depth = max(int(tree.depths.max()), 1)
+    depth = max(int(tree.levels.max()), 1)
     strength = STRONGEST + (WEAKEST - STRONGEST) * np.sqrt(levels / depth)
     strength *= np.clip((sides - SMALLEST) / (WHOLE - SMALLEST), 0.12, 1.0)
     alpha = np.rint(16 * strength) * 255 / 16  # few colours, which painters can cache
@@ -197,7 +197,7 @@ def _edges(corners: Boxes, levels: NDArray[np.intp]) -> tuple[Boxes, NDArray[np.
 
 
 def _colours(tree: jostle.Nodes) -> NDArray[np.uint8]:
-    depth = int(tree.depths.max(initial=0))
+    depth = int(tree.levels.max(initial=0))
     return np.array([level_colour(level, depth) for level in range(depth + 1)], np.uint8)
 
 

@@ -126,7 +126,9 @@ class Frame:
     matrix: NDArray[np.float64] | None = None  # (K, K), of particle life
 
     def __post_init__(self) -> None:
-        for value in (*vars(self).values(), *(self.tree or ()), *(self.contacts or ())):
+        nodes = self.tree
+        parts = (nodes.boxes, nodes.levels, nodes.counts, nodes.is_leaf) if nodes else ()
+        for value in (*vars(self).values(), *parts, *(self.contacts or ())):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 

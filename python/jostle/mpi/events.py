@@ -33,7 +33,7 @@ def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> jostle.WorldE
     return jostle.WorldEvents(
         entered=pairs[(during | at_end) & ~before],
         stayed=pairs[before & at_end],
-        left=pairs[(before | during) & ~at_end],
+        exited=pairs[(before | during) & ~at_end],
     )
 
 

@@ -21,7 +21,7 @@ _MOST_LARGE = 1024
 @collective
 def find_pairs(
     comm: MPI.Intracomm,
-    centers: ArrayLike,
+    positions: ArrayLike,
     radii: ArrayLike = 0.0,
     half_sizes: ArrayLike | None = None,
     *,
@@ -43,7 +43,7 @@ def find_pairs(
     ----------
     comm : mpi4py.MPI.Intracomm
         The ranks.
-    centers : array_like, shape (n, 2)
+    positions : array_like, shape (n, 2)
         Centres of this rank's share, in any unit of length; n may be 0.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
@@ -95,7 +95,7 @@ def find_pairs(
     array([[1, 2]])
     """
     with together(comm):
-        share = _Share(centers, radii, half_sizes, categories, masks)
+        share = _Share(positions, radii, half_sizes, categories, masks)
         share.check(distance, period)
     own = share.rows(comm)
     spread = _Spread(comm, own, float(distance), period)
@@ -142,31 +142,31 @@ class _Share:
 
     def __init__(
         self,
-        centers: ArrayLike,
+        positions: ArrayLike,
         radii: ArrayLike,
         half_sizes: ArrayLike | None,
         categories: ArrayLike | None,
         masks: ArrayLike | None,
     ) -> None:
-        self.given: list[Any] = [centers, radii, half_sizes]
+        self.given: list[Any] = [positions, radii, half_sizes]
         self.bits: dict[str, Any] = {"categories": categories, "masks": masks}
-        self.centers = _numbers("centers", centers)
+        self.centers = _numbers("positions", positions)
         if self.centers.size == 0:
             self.centers = self.centers.reshape(0, 2)
 
     def check(self, distance: float, period: Any) -> None:
         """Raise what `jostle.find_pairs` raises for this share."""
-        centers, radii, half_sizes = self.given
+        positions, radii, half_sizes = self.given
         if len(self.centers) == 0:
-            centers = np.zeros((0, 2))
+            positions = np.zeros((0, 2))
         # One shape cannot tell a wrong length, so all are given; brute force of none is free.
-        jostle.Quadtree(centers, radii, half_sizes, period=period, **self.bits)
+        jostle.Quadtree(positions, radii, half_sizes, period=period, **self.bits)
         jostle.find_pairs(np.zeros((0, 2)), distance=distance, period=period)
 
     def rows(self, comm: MPI.Intracomm) -> NDArray[Any]:
         """The shapes with their ids, in the precision of all ranks."""
-        centers, radii, half_sizes = self.given
-        arrays = [centers]
+        positions, radii, half_sizes = self.given
+        arrays = [positions]
         arrays += [radii] if np.ndim(radii) > 0 else []
         arrays += [half_sizes] if np.ndim(half_sizes) > 1 or hasattr(half_sizes, "dtype") else []
         is_double = len(self.centers) > 0 and any(

@@ -548,11 +548,11 @@ class World:
         pairs = np.sort(pairs, axis=1)
         is_own = owner < count
         normals = np.where(is_reversed[:, None], -found.normals, found.normals)
-        awake = (column[is_own] for column in (pairs, normals, *found[2:]))
-        both = zip(awake, self._core._own_touches_asleep(), strict=True)
-        pairs, *columns = (np.concatenate(columns) for columns in both)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        return jostle.WorldContacts(pairs[order], *(column[order] for column in columns))
+        awake = found.to_dict() | {"pairs": pairs, "normals": normals}
+        asleep = self._core._own_touches_asleep().to_dict()
+        columns = {name: np.concatenate([awake[name][is_own], asleep[name]]) for name in awake}
+        order = np.lexsort(columns["pairs"].T[::-1])
+        return jostle.WorldContacts(**{name: column[order] for name, column in columns.items()})
 
     @property
     def wall_contacts(self) -> jostle.WallContacts:
@@ -564,8 +564,8 @@ class World:
         found = self._core.wall_contacts
         own = np.flatnonzero(found.ids < count)
         own = own[np.lexsort((found.walls[own], ids[found.ids[own]]))]
-        columns: Any = (column[own] for column in found[1:])
-        return jostle.WallContacts(ids[found.ids[own]], *columns)
+        columns = {name: column[own] for name, column in found.to_dict().items()}
+        return jostle.WallContacts(**columns | {"ids": ids[columns["ids"]]})
 
     @property
     @collective
@@ -595,7 +595,8 @@ class World:
     @collective
     def collisions(self) -> jostle.WorldCollisions:
         """The number of collisions in the last call of `step`, see `jostle.World.collisions`."""
-        counts = totals(self._comm, np.array(self._core.collisions, np.int64))
+        own = self._core.collisions
+        counts = totals(self._comm, np.array([own.pairs, own.walls], np.int64))
         return jostle.WorldCollisions(*map(int, counts))
 
     @collective

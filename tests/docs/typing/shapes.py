@@ -25,9 +25,9 @@ def trees(
 
 
 def apart(single: NDArray[np.float32], given: dict[str, Any]) -> None:
-    assert_type(jostle.separate(single, 1.0, fixed=np.ones(3, bool)), jostle.Separated)
+    assert_type(jostle.separate(single, 1.0, movable=np.ones(3, bool)), jostle.Separated)
     assert_type(jostle.separate([(0, 0), (1, 1)], half_sizes=(1, 2), axis=1).overlaps, int)
-    print(jostle.separate(given["centers"], given["radii"]).centers.tolist())
+    print(jostle.separate(given["centers"], given["radii"]).positions.tolist())
     assert_type(jostle.tiles(given["grid"] == 1, (16, 16)), NDArray[np.float64])
 
 
@@ -55,7 +55,5 @@ def contradictions(points: list[tuple[float, float]], boxes: NDArray[np.float64]
     Quadtree(points, boxes=boxes)  # type: ignore[call-overload]
     Quadtree()  # type: ignore[call-overload]
     space = jostle.Space()
-    space.move(0, boxes=(0, 0, 1, 1))
-    space.move(0, (0, 0), boxes=(0, 0, 1, 1))  # type: ignore[call-overload]
-    space.move(0)  # type: ignore[call-overload]
+    space.set(0, boxes=(0, 0, 1, 1))
     space.add(points, boxes=boxes)  # type: ignore[call-overload]

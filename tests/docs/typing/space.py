@@ -34,44 +34,42 @@ def added_of_any_type(space: Space, given: dict[str, Any], rows: list[Any]) -> N
 
 
 def columns(space: Space, id: int, ids: Ids, some: list[int], given: Any) -> None:
-    assert_type(space.radii(id), float)
-    assert_type(space.radii(np.int64(3)), float)
-    assert_type(space.radii(), Reals)
-    assert_type(space.radii(None), Reals)
-    assert_type(space.radii(ids), Reals)
-    assert_type(space.radii(some), Reals)
-    assert_type(space.radii(range(3)), Reals)
-    assert_type(space.radii(given), Any)
-    assert_type(space.categories(id), int)
-    assert_type(space.categories(ids), Bits)
-    assert_type(space.categories(some), Bits)
-    assert_type(space.categories(given), Any)
-    assert_type(space.masks(id), int)
-    assert_type(space.masks(ids), Bits)
-    assert_type(space.masks(), Bits)
-    assert_type(space.masks(given), Any)
-    assert_type(space.centers(id), Reals)
-    assert_type(space.centers(ids), Reals)
-    assert_type(space.half_sizes(some), Reals)
+    assert_type(space.get(id).radii, float)
+    assert_type(space.get(np.int64(3)).radii, float)
+    assert_type(space.radii, Reals)
+    assert_type(space.get(ids).radii, Reals)
+    assert_type(space.get(some).radii, Reals)
+    assert_type(space.get(range(3)).radii, Reals)
+    assert_type(space.get(given).radii, Any)
+    assert_type(space.get(id).categories, int)
+    assert_type(space.get(ids).categories, Bits)
+    assert_type(space.get(some).categories, Bits)
+    assert_type(space.get(given).categories, Any)
+    assert_type(space.get(id).masks, int)
+    assert_type(space.get(ids).masks, Bits)
+    assert_type(space.masks, Bits)
+    assert_type(space.get(given).masks, Any)
+    assert_type(space.get(id).positions, Reals)
+    assert_type(space.get(ids).positions, Reals)
+    assert_type(space.get(some).half_sizes, Reals)
 
 
 def events(space: Space) -> None:
     happened = space.update()
     assert_type(happened.entered, Ids)
-    entered, stayed, left = happened
-    assert_type(stayed, Ids)
-    print(entered.tolist(), left.tolist())
+    assert_type(happened.stayed, Ids)
+    print(happened.entered.tolist(), happened.exited.tolist())
 
 
 def changed(space: Space, id: int, ids: Ids, vector: pygame.Vector2) -> None:
-    space.move(id, (0, 1))
-    space.move(id, vector)
-    space.move(ids, [(0, 1), (2, 3)])
-    space.move([1, 2], [vector, vector])
-    space.resize(ids, radii=2.0)
-    space.set_filter(id, masks=0)
+    space.set(id, positions=(0, 1))
+    space.set(id, positions=vector)
+    space.set(ids, positions=[(0, 1), (2, 3)])
+    space.set([1, 2], positions=[vector, vector])
+    space.set(ids, radii=2.0)
+    space.set(id, masks=0)
     space.remove([1, 2])
-    space.remove(ids[space.radii(ids) < 1])
+    space.remove(ids[space.get(ids).radii < 1])
 
 
 def slid(space: Space, id: int, ids: Ids, vector: pygame.Vector2, given: Any) -> None:

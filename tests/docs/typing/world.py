@@ -7,7 +7,7 @@ import pygame
 from numpy.typing import NDArray
 from typing_extensions import assert_type
 
-from jostle import World, WorldParticle, WorldParticles
+from jostle import Particle, Particles, World
 
 Ids = NDArray[np.int64]
 
@@ -37,8 +37,8 @@ def changed(world: World, id: int, ids: Ids, vector: pygame.Vector2) -> None:
     assert_type(world.rows(id), int)
     assert_type(world.rows(ids), Ids)
     assert_type(world.rows([1, 2]), Ids)
-    assert_type(world.read(id), WorldParticle)
-    assert_type(world.read(ids), WorldParticles)
+    assert_type(world.read(id), Particle)
+    assert_type(world.read(ids), Particles)
     assert_type(world.read([1, 2]).radii, NDArray[np.float32])
     world.remove(id)
     world.remove(ids[world.radii < 1])

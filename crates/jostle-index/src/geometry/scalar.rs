@@ -14,6 +14,8 @@ pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     const ONE: Self;
     /// Infinity.
     const INFINITY: Self;
+    /// Not a number: no value.
+    const NAN: Self;
     /// The largest half size. Sums of four are finite, so [`overlap`](super::overlap) never subtracts
     /// infinity from infinity.
     const MAX_SIZE: Self;
@@ -62,6 +64,7 @@ macro_rules! scalar {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const INFINITY: Self = <$t>::INFINITY;
+            const NAN: Self = <$t>::NAN;
             const MAX_SIZE: Self = <$t>::MAX / 8.0;
             const RADII: [Self; 2] = $radii;
             const EPSILON: Self = <$t>::EPSILON;

@@ -411,6 +411,33 @@ pub struct Neighbors<T> {
     pub tests: u64,
 }
 
+impl<T: Scalar> Neighbors<T> {
+    /// Removes an id from the `k + 1` shapes of each point, or the last of them, so that `k` remain; −1
+    /// removes none.
+    ///
+    /// It does not narrow the search itself, whose limits follow from the shapes of the point before, of which the
+    /// id may be one.
+    pub fn exclude(&mut self, k: usize, ids: &Each<i64>) -> Result<()> {
+        ids.check_len("exclude", self.ids.len() / (k + 1))?;
+        for point in 0..self.ids.len() / (k + 1) {
+            let (from, to) = (point * (k + 1), point * k);
+            let found = &self.ids[from..from + k + 1];
+            // Empty places have −1, too.
+            let excluded = ids.at(point);
+            let at = found.iter().position(|&id| id >= 0 && id == excluded).unwrap_or(k);
+            for nth in 0..k {
+                let of = from + nth + usize::from(nth >= at);
+                self.ids[to + nth] = self.ids[of];
+                self.distances[to + nth] = self.distances[of];
+            }
+        }
+        let len = self.ids.len() / (k + 1) * k;
+        self.ids.truncate(len);
+        self.distances.truncate(len);
+        Ok(())
+    }
+}
+
 /// Refuses invalid points, distances and counts.
 pub fn check_nearest<T: Scalar>(
     points: &[[T; 2]],

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::check_max_distances;
-use crate::geometry::{Scalar, Shape, into_range, length, within};
+use crate::geometry::{Scalar, Shape, into_range, length, middle, within};
 use crate::period::Period;
 use crate::shapes::{Each, check_each_half_size, check_finite, check_radii, tuple};
 use jostle_base::error::{Error, Result};
@@ -18,7 +18,12 @@ pub struct Ray<T> {
     pub(super) half_size: [T; 2],
     pub(super) radius: T,
     pub(super) max_distance: T,
+    /// The id of a shape that it passes; [`NO_ID`] if there is none.
+    pub(super) exclude: u64,
 }
+
+/// No id of a shape.
+const NO_ID: u64 = -1_i64 as u64;
 
 /// Maximum length of a ray in a periodic plane, in periods.
 const MAX_PERIODS: f64 = 1024.0;
@@ -46,13 +51,13 @@ impl<T: Scalar> Ray<T> {
         let len = len.or(max_distances.len()).unwrap_or(1);
         origins.check_len("origin", len)?;
         directions.check_len("direction", len)?;
-        half_sizes.check_len("half_size", len)?;
-        radii.check_len("radius", len)?;
+        half_sizes.check_len("half_sizes", len)?;
+        radii.check_len("radii", len)?;
         max_distances.check_len("max_distance", len)?;
         origins.check(|origins| check_finite("origin", origins))?;
         directions.check(check_directions)?;
-        check_each_half_size("half_size", half_sizes)?;
-        radii.check(|radii| check_radii("radius", radii))?;
+        check_each_half_size("half_sizes", half_sizes)?;
+        radii.check(|radii| check_radii("radii", radii))?;
         max_distances.check(check_max_distances)?;
         let ray = |row| Self {
             origin: origins.at(row),
@@ -60,8 +65,16 @@ impl<T: Scalar> Ray<T> {
             half_size: half_sizes.at(row),
             radius: radii.at(row),
             max_distance: max_distances.at(row),
+            exclude: NO_ID,
         };
         memory::collect((0..len).map(ray))
+    }
+
+    /// The same rays, of which each passes the shape with an id; −1 is none.
+    pub fn excluding(mut rays: Vec<Self>, ids: &Each<i64>) -> Result<Vec<Self>> {
+        ids.check_len("exclude", rays.len())?;
+        rays.iter_mut().enumerate().for_each(|(row, ray)| ray.exclude = ids.at(row) as u64);
+        Ok(rays)
     }
 
     /// The same rays with their origins in the first period. Refuses rays that pass through too
@@ -83,6 +96,11 @@ impl<T: Scalar> Ray<T> {
         }
         let wrapped = |ray: &Self| Self { origin: period.wrap(ray.origin), ..*ray };
         memory::collect(rays.iter().map(wrapped)).map(Cow::Owned)
+    }
+
+    /// The place at a distance along the ray, and `by` more.
+    pub(super) fn place(&self, distance: T, by: [T; 2]) -> [T; 2] {
+        [0, 1].map(|axis| self.origin[axis] + self.direction[axis] * distance + by[axis])
     }
 
     /// The same ray moved by `-shift`.
@@ -166,6 +184,38 @@ pub fn normal<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T) -> [T; 2] 
     }
     // A side without rounding: the axis with the larger gap.
     if gaps[0] < gaps[1] { [T::ZERO, signs[1]] } else { [signs[0], T::ZERO] }
+}
+
+/// From the place of a moving shape when it hits another, to the point where they touch: on the surface of the shape
+/// that is hit, in the middle if they touch along sides. It is (0, 0) for a ray.
+pub(super) fn touch<T: Scalar>(
+    ray: &Ray<T>,
+    shape: &Shape<T>,
+    distance: T,
+    normal: [T; 2],
+) -> [T; 2] {
+    if ray.half_size == [T::ZERO; 2] && ray.radius == T::ZERO || distance == T::ZERO {
+        return [T::ZERO; 2];
+    }
+    [0, 1].map(|axis| {
+        let at = ray.origin[axis] + ray.direction[axis] * distance;
+        // The core of the shape, seen from there.
+        let (low, high) = (
+            shape.min[axis] - shape.half_size[axis] - at,
+            shape.max[axis] + shape.half_size[axis] - at,
+        );
+        let half = ray.half_size[axis];
+        // The point of the core that is nearest to the core that moves; where both overlap along
+        // the axis, the middle of the overlap.
+        let nearest = if low >= half {
+            low
+        } else if high <= -half {
+            high
+        } else {
+            middle(low.max(-half), high.min(half))
+        };
+        nearest + normal[axis] * shape.radius
+    })
 }
 
 /// The core of a shape relative to the origin of a ray: the origin minus `min` and minus `max`.

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::nearest::sort_farthest_first;
-use super::ray::{Ray, hit, normal};
+use super::ray::{Ray, hit, normal, touch};
 use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
 use crate::columns::Columns;
@@ -228,14 +228,29 @@ fn images<T: Scalar>(
     })
 }
 
+/// A hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RayContact<T> {
+    distance: T,
+    id: u64,
+    normal: [T; 2],
+    /// From the place on the ray to the point where the shapes touch.
+    touch: [T; 2],
+}
+
+impl<T: Scalar> RayContact<T> {
+    fn new(ray: &Ray<T>, shape: &Shape<T>, distance: T, id: u64) -> Self {
+        let normal = normal(ray, shape, distance);
+        Self { distance, id, normal, touch: touch(ray, shape, distance, normal) }
+    }
+}
+
 /// The first hit of a ray so far.
 #[derive(Clone, Debug)]
 pub struct FirstHit<T> {
     ray: Ray<T>,
-    /// Distance and id of the shape; at equal distances the smaller id.
-    pub found: Option<(T, u64)>,
-    /// The normal of the shape where it is hit.
-    normal: [T; 2],
+    /// At equal distances that with the smaller id.
+    found: Option<RayContact<T>>,
     /// Number of shapes that were tested.
     pub tests: u64,
     pulse: Pulse,
@@ -243,8 +258,8 @@ pub struct FirstHit<T> {
 
 impl<T: Scalar> FirstHit<T> {
     /// No hit yet; `pulse` may interrupt the search.
-    pub fn new(ray: Ray<T>, pulse: Pulse) -> Self {
-        Self { ray, found: None, normal: [T::ZERO; 2], tests: 0, pulse }
+    fn new(ray: Ray<T>, pulse: Pulse) -> Self {
+        Self { ray, found: None, tests: 0, pulse }
     }
 }
 
@@ -255,19 +270,23 @@ impl<T: Scalar> RayPath<T> for FirstHit<T> {
 
     #[inline(always)]
     fn limit(&self) -> T {
-        self.found.map_or(self.ray.max_distance, |(distance, _)| distance)
+        self.found.map_or(self.ray.max_distance, |found| found.distance)
     }
 
     #[inline(always)]
     fn offer(&mut self, shape: &Shape<T>, id: u64) {
+        if id == self.ray.exclude {
+            return;
+        }
         let Some(distance) = hit(&self.ray, shape) else { return };
         let nearer = match self.found {
-            Some((nearest, first)) => distance < nearest || (distance == nearest && id < first),
+            Some(first) => {
+                distance < first.distance || (distance == first.distance && id < first.id)
+            }
             None => distance <= self.ray.max_distance,
         };
         if nearer {
-            self.found = Some((distance, id));
-            self.normal = normal(&self.ray, shape, distance);
+            self.found = Some(RayContact::new(&self.ray, shape, distance, id));
         }
     }
 
@@ -279,14 +298,6 @@ impl<T: Scalar> RayPath<T> for FirstHit<T> {
     fn is_over(&mut self, work: usize) -> bool {
         self.pulse.stops(work)
     }
-}
-
-/// A hit of a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct RayContact<T> {
-    distance: T,
-    id: u64,
-    normal: [T; 2],
 }
 
 /// All hits of a ray so far.
@@ -334,10 +345,13 @@ impl<T: Scalar> RayPath<T> for AllHits<T> {
 
     #[inline(always)]
     fn offer(&mut self, shape: &Shape<T>, id: u64) {
+        if id == self.ray.exclude {
+            return;
+        }
         let Some(distance) = hit(&self.ray, shape) else { return };
         if distance <= self.ray.max_distance {
-            let normal = normal(&self.ray, shape, distance);
-            let added = memory::push(&mut self.found, RayContact { distance, id, normal });
+            let hit = RayContact::new(&self.ray, shape, distance, id);
+            let added = memory::push(&mut self.found, hit);
             self.failed = self.failed.take().or(added.err());
         }
     }
@@ -434,6 +448,9 @@ pub struct RayHits<T> {
     pub distances: Vec<T>,
     /// Normals of the shapes; (0, 0) if nothing is hit or a ray starts in the shape.
     pub normals: Vec<[T; 2]>,
+    /// Where the shapes are hit; NaN if nothing is hit. With a period it lies on the ray, which may be an image
+    /// of the place.
+    pub points: Vec<[T; 2]>,
     /// For all hits of many rays, those of ray r are `offsets[r]..offsets[r + 1]`; otherwise empty.
     pub offsets: Vec<usize>,
     /// Number of shapes that were tested.
@@ -451,31 +468,40 @@ pub fn first_hits<T: Scalar>(
     let search = |best: &mut FirstHit<T>| {
         best.search(tree, mask, &|index| Some(u64::from(rows[index])));
     };
-    first_hits_by(&Ray::in_period(rays, &tree.period())?, tree.settings().threads, search)
+    first_hits_by(rays, &tree.period(), tree.settings().threads, search)
 }
 
 /// As [`first_hits`], for shapes that are not in one tree: `search` tests them for one ray.
 pub fn first_hits_by<T: Scalar>(
     rays: &[Ray<T>],
+    period: &Period<T>,
     threads: Option<usize>,
     search: impl Fn(&mut FirstHit<T>) + Sync + Send,
 ) -> Result<RayHits<T>> {
-    let (order, found) = each_ray(rays, threads, |ray, pulse| {
+    let wrapped = Ray::in_period(rays, period)?;
+    let (order, found) = each_ray(&wrapped, threads, |ray, pulse| {
         let mut best = FirstHit::new(ray, pulse);
         search(&mut best);
-        Ok(((best.found, best.normal, best.tests), best.pulse))
+        Ok(((best.found, best.tests), best.pulse))
     })?;
     let len = rays.len();
-    let (ids, normals) = (memory::filled(len, -1)?, memory::filled(len, [T::ZERO; 2])?);
-    let distances = memory::filled(len, T::INFINITY)?;
-    let mut all = RayHits { ids, distances, normals, ..RayHits::default() };
-    for (&query, &(hit, normal, tests)) in order.iter().zip(found.iter().flatten()) {
-        if let Some((distance, id)) = hit {
-            all.ids[query as usize] = id as i64;
-            all.distances[query as usize] = distance;
-            all.normals[query as usize] = normal;
+    let (offsets, tests) = (Vec::new(), found.iter().flatten().map(|(_, tests)| tests).sum());
+    let mut all = RayHits {
+        ids: memory::filled(len, -1)?,
+        distances: memory::filled(len, T::INFINITY)?,
+        normals: memory::filled(len, [T::ZERO; 2])?,
+        points: memory::filled(len, [T::NAN; 2])?,
+        offsets,
+        tests,
+    };
+    for (&query, (hit, _)) in order.iter().zip(found.iter().flatten()) {
+        if let Some(hit) = hit {
+            let query = query as usize;
+            all.ids[query] = hit.id as i64;
+            all.distances[query] = hit.distance;
+            all.normals[query] = hit.normal;
+            all.points[query] = rays[query].place(hit.distance, hit.touch);
         }
-        all.tests += tests;
     }
     Ok(all)
 }
@@ -491,16 +517,18 @@ pub fn all_hits<T: Scalar>(
     let search = |all: &mut AllHits<T>| {
         all.search(tree, mask, &|index| Some(u64::from(rows[index])));
     };
-    all_hits_by(&Ray::in_period(rays, &tree.period())?, tree.settings().threads, search)
+    all_hits_by(rays, &tree.period(), tree.settings().threads, search)
 }
 
 /// As [`all_hits`], for shapes that are not in one tree: `search` tests them for one ray.
 pub fn all_hits_by<T: Scalar>(
     rays: &[Ray<T>],
+    period: &Period<T>,
     threads: Option<usize>,
     search: impl Fn(&mut AllHits<T>) + Sync + Send,
 ) -> Result<RayHits<T>> {
-    let (order, found) = each_ray(rays, threads, |ray, pulse| {
+    let wrapped = Ray::in_period(rays, period)?;
+    let (order, found) = each_ray(&wrapped, threads, |ray, pulse| {
         let mut all = AllHits::new(ray, pulse);
         search(&mut all);
         let (found, tests, pulse) = all.sorted()?;
@@ -517,15 +545,17 @@ pub fn all_hits_by<T: Scalar>(
         ids: memory::with_capacity(count)?,
         distances: memory::with_capacity(count)?,
         normals: memory::with_capacity(count)?,
+        points: memory::with_capacity(count)?,
         offsets: memory::with_capacity(rays.len() + 1)?,
         tests: found.iter().map(|(_, tests)| tests).sum(),
     };
     all.offsets.push(0);
-    for index in indices {
+    for (ray, index) in rays.iter().zip(indices) {
         for hit in &found[index].0 {
             all.ids.push(hit.id as i64);
             all.distances.push(hit.distance);
             all.normals.push(hit.normal);
+            all.points.push(ray.place(hit.distance, hit.touch));
         }
         all.offsets.push(all.ids.len());
     }

@@ -9,6 +9,7 @@ use super::{NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
 use crate::geometry::{Bounds, Scalar, Shape};
 use crate::period::Period;
 use crate::quadtree::{Node, Quadtree};
+use crate::shapes::Each;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::{Pulse, Stop};
 use jostle_base::memory;
@@ -104,6 +105,30 @@ impl<I> Hits<I> {
         let mut offsets = memory::with_capacity(queries + 1)?;
         offsets.push(0);
         Ok(Self { offsets, ids: Vec::new(), tests: 0 })
+    }
+
+    /// Removes an id from the results of each query; −1 removes none.
+    pub fn exclude(&mut self, ids: &Each<i64>) -> Result<()>
+    where
+        I: Copy + Into<i64>,
+    {
+        ids.check_len("exclude", self.offsets.len() - 1)?;
+        let mut kept = 0;
+        for query in 0..self.offsets.len() - 1 {
+            let (excluded, range) = (ids.at(query), self.offsets[query]..self.offsets[query + 1]);
+            self.offsets[query] = kept;
+            for index in range {
+                if self.ids[index].into() != excluded {
+                    self.ids[kept] = self.ids[index];
+                    kept += 1;
+                }
+            }
+        }
+        self.ids.truncate(kept);
+        if let Some(last) = self.offsets.last_mut() {
+            *last = kept;
+        }
+        Ok(())
     }
 
     /// Ids of one query.

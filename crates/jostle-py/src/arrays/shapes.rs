@@ -107,6 +107,14 @@ impl Argument<'_> {
         if self.is_scalar() { Ok(None) } else { self.len().map(Some) }
     }
 
+    /// Number of rows of pairs; None if it is a number or one pair.
+    pub fn rows_of_pairs(&self) -> Option<usize> {
+        match self.array.shape() {
+            [rows, _] => Some(*rows),
+            _ => None,
+        }
+    }
+
     /// Line segments: two points each.
     pub fn segments<T: Scalar + Element>(&self) -> PyResult<Vec<[[T; 2]; 2]>> {
         match self.array.shape() {

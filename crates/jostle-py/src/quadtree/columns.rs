@@ -15,7 +15,7 @@ impl PyQuadtree {
     /// Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the tree's dtype, shape
     /// (n, 2), a copy. With a period they are in ``[0, period)``.
     #[getter]
-    pub(super) fn centers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    pub(super) fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         with_tree!(&self.tree, tree => table_of(py, tree, |shape| shape.center()))
     }
 

@@ -1,7 +1,7 @@
-//! Rays, and moving discs and boxes.
+//! Rays, and moving shapes.
 
 macro_rules! cast_methods {
-    ($class:ident, $with_index:ident, $name:literal, $make:literal, $id:literal) => {
+    ($class:ident, $with_index:ident) => {
         #[pymethods]
         impl $class {
             /// Find the first shape that a ray hits, or each of many rays.
@@ -18,16 +18,17 @@ macro_rules! cast_methods {
             ///     be at most 1024 periods.
             /// mask : int, optional
             ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that rays pass, one for all or one for each, such as that of the shape in which a
+            ///     ray starts; -1 is none.
             ///
             /// Returns
             /// -------
             /// RayHit or RayHits
-            #[doc = concat!("    Unpacks as ``", $id, ", distance``, in this order (:meth:`nearest` returns distances")]
-            #[doc = concat!("    first); for many rays, arrays of both. At equal distances the smaller ", $id, "; -1 and")]
-            #[doc = concat!("    infinity if nothing is hit, so test the ", $id, " before you use it as an index. The")]
-            ///     distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-            ///     touches an edge hits it. The attribute `normal`, or `normals`, holds unit vectors
-            ///     that point away from the shape where it is hit; (0, 0) if a ray starts in it.
+            ///     The id, at equal distances the smaller; -1 if nothing is hit, so test it before you use
+            ///     it as an index. The distance to the surface; 0 if a ray starts in a shape, infinity if
+            ///     nothing is hit. A ray that only touches an edge hits it. The point that is hit, and the
+            ///     unit normal there, which points away from the shape.
             ///
             /// Raises
             /// ------
@@ -36,20 +37,22 @@ macro_rules! cast_methods {
             ///
             /// See Also
             /// --------
-            /// circle_cast : The first shape that a moving disc hits.
+            /// shape_cast : The first shape that a moving shape hits.
             /// nearest : The nearest shape in any direction.
             ///
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
-            #[doc = concat!(">>> ", $name, ".raycast((-4, 0), (1, 0))")]
-            /// RayHit(id=0, distance=3.0)
-            #[doc = concat!(">>> ", $name, ".raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])")]
-            /// RayHits(ids=array([ 1, -1,  0]), distances=array([0.5, inf, 0.5]))
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+            /// >>> hit = tree.raycast((-4, 0), (1, 0))
+            /// >>> hit.id, hit.distance, hit.point
+            /// (0, 3.0, array([-1.,  0.]))
+            /// >>> hits = tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
+            /// >>> hits.ids, hits.distances
+            /// (array([ 1, -1,  0]), array([0.5, inf, 0.5]))
             #[pyo3(
-                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
-                text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
+                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None),
+                text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
             fn raycast<'py>(
                 &self,
@@ -58,10 +61,11 @@ macro_rules! cast_methods {
                 direction: &Bound<'py, PyAny>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let (half_size, radius, max_distance) = (None, None, &max_distance);
-                let cast = Cast { origin, direction, half_size, radius, max_distance, all: false };
-                self.cast(py, &cast, mask)
+                let sizes = (None, None);
+                let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
+                self.cast(py, &cast, mask, false)
             }
 
             /// Find every shape that a ray hits, nearest first, or that each of many rays hits.
@@ -77,12 +81,14 @@ macro_rules! cast_methods {
             ///     be at most 1024 periods.
             /// mask : int, optional
             ///     Hit only shapes with a category in this set of bits.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that rays pass, one for all or one for each; -1 is none.
             ///
             /// Returns
             /// -------
             /// RayHits or RayHitLists
-            #[doc = concat!("    Unpacks as ``", $id, "s, distances``: all hits of one ray, each shape once, at equal")]
-            #[doc = concat!("    distances the smaller ", $id, " first. For many rays, ``offsets, ids, distances, normals``.")]
+            ///     All hits of one ray, each shape once, at equal distances the smaller id first; for
+            ///     many rays those of each.
             ///
             /// Raises
             /// ------
@@ -97,13 +103,13 @@ macro_rules! cast_methods {
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
-            #[doc = concat!(">>> ids, distances = ", $name, ".raycast_all((-4, 0), (1, 0), max_distance=6)")]
-            /// >>> ids, distances
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+            /// >>> hits = tree.raycast_all((-4, 0), (1, 0), max_distance=6)
+            /// >>> hits.ids, hits.distances
             /// (array([0, 1]), array([3., 6.]))
             #[pyo3(
-                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
-                text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
+                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None),
+                text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
             fn raycast_all<'py>(
                 &self,
@@ -112,89 +118,39 @@ macro_rules! cast_methods {
                 direction: &Bound<'py, PyAny>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let (half_size, radius, max_distance) = (None, None, &max_distance);
-                let cast = Cast { origin, direction, half_size, radius, max_distance, all: true };
-                self.cast(py, &cast, mask)
+                let sizes = (None, None);
+                let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
+                self.cast(py, &cast, mask, true)
             }
 
-            /// Find the first shape that a moving disc hits, or each of many discs.
+            /// Find the first shape that a moving shape hits, or each of many.
             ///
             /// Parameters
             /// ----------
             /// origin : array_like, shape (2,) or (k, 2)
-            ///     Start of the centre of each disc.
+            ///     Start of the centre of each moving shape.
             /// direction : array_like, shape (2,) or (k, 2)
             ///     Direction of the motion, of any length except 0.
-            /// radius : array_like, a number or shape (k,)
-            ///     Radii of the discs.
+            /// radii : array_like, a number or shape (k,), default 0.0
+            ///     Radii, as of other shapes: of discs, or by which boxes extend beyond their cores.
+            /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+            ///     Half widths and half heights of boxes.
             /// max_distance : array_like, a number or shape (k,), default inf
             ///     Maximum distance of each motion, in units of length. With a period it must be given,
             ///     and be at most 1024 periods.
             /// mask : int, optional
             ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that is passed, one for all or one for each, such as that of the moving shape; -1
+            ///     is none.
             ///
             /// Returns
             /// -------
             /// RayHit or RayHits
-            #[doc = concat!("    The ", $id, " and the distance of the motion until the hit, as from :meth:`raycast`.")]
-            ///
-            /// Raises
-            /// ------
-            /// ValueError
-            ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
-            ///     `max_distance` is negative.
-            ///
-            /// See Also
-            /// --------
-            /// raycast : The same for a point.
-            ///
-            /// Examples
-            /// --------
-            /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
-            #[doc = concat!(">>> ", $name, ".circle_cast((-4, 0.5), (1, 0), radius=0.5)")]
-            /// RayHit(id=0, distance=2.585786437626905)
-            #[pyo3(
-                signature = (origin, direction, radius, *, max_distance=Given::NOTHING, mask=None),
-                text_signature = "($self, origin, direction, radius, *, max_distance=math.inf, mask=None)"
-            )]
-            fn circle_cast<'py>(
-                &self,
-                py: Python<'py>,
-                origin: &Bound<'py, PyAny>,
-                direction: &Bound<'py, PyAny>,
-                radius: &Bound<'py, PyAny>,
-                max_distance: Given<'py>,
-                mask: Maybe<'_, 'py>,
-            ) -> PyResult<Bound<'py, PyAny>> {
-                let (half_size, radius, max_distance) = (None, Some(radius), &max_distance);
-                let cast = Cast { origin, direction, half_size, radius, max_distance, all: false };
-                self.cast(py, &cast, mask)
-            }
-
-            /// Find the first shape that a moving box hits, or each of many boxes.
-            ///
-            /// Parameters
-            /// ----------
-            /// origin : array_like, shape (2,) or (k, 2)
-            ///     Start of the centre of each box.
-            /// direction : array_like, shape (2,) or (k, 2)
-            ///     Direction of the motion, of any length except 0.
-            /// half_size : array_like, a number, shape (2,) or (k, 2)
-            ///     Half widths and half heights of the boxes.
-            /// radius : array_like, a number or shape (k,), default 0.0
-            ///     Distance by which the boxes extend beyond their cores, as for other shapes.
-            /// max_distance : array_like, a number or shape (k,), default inf
-            ///     Maximum distance of each motion, in units of length. With a period it must be given,
-            ///     and be at most 1024 periods.
-            /// mask : int, optional
-            ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
-            ///
-            /// Returns
-            /// -------
-            /// RayHit or RayHits
-            #[doc = concat!("    The ", $id, " and the distance of the motion until the hit, as from :meth:`raycast`.")]
+            ///     The id and the distance of the motion until the hit, as from :meth:`raycast`; the point
+            ///     where the surfaces touch, in the middle if sides touch.
             ///
             /// Raises
             /// ------
@@ -204,51 +160,56 @@ macro_rules! cast_methods {
             ///
             /// See Also
             /// --------
-            /// circle_cast : The same for a disc.
+            /// raycast : The same for a point.
             ///
             /// Examples
             /// --------
+            /// A disc, and a square:
+            ///
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
-            #[doc = concat!(">>> hit = ", $name, ".box_cast((-4, 0.5), (1, 0), half_size=0.5)")]
-            /// >>> hit, hit.normal
-            /// (RayHit(id=0, distance=2.5), (-1.0, 0.0))
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+            /// >>> tree.shape_cast((-4, 0), (1, 0), radii=0.5).distance
+            /// 2.5
+            /// >>> hit = tree.shape_cast((-4, 0.5), (1, 0), half_sizes=0.5)
+            /// >>> hit.distance, hit.point, hit.normal
+            /// (2.5, array([-1.,  0.]), array([-1.,  0.]))
             #[pyo3(
                 signature = (
-                    origin, direction, half_size, radius=Given::NOTHING, *,
-                    max_distance=Given::NOTHING, mask=None,
+                    origin, direction, *, radii=Given::NOTHING, half_sizes=None,
+                    max_distance=Given::NOTHING, mask=None, exclude=None,
                 ),
-                text_signature = "($self, origin, direction, half_size, radius=0.0, *, max_distance=math.inf, mask=None)"
+                text_signature = "($self, origin, direction, *, radii=0.0, half_sizes=None, max_distance=math.inf, mask=None, exclude=None)"
             )]
             #[expect(clippy::too_many_arguments, reason = "they are Python's arguments")]
-            fn box_cast<'py>(
+            fn shape_cast<'py>(
                 &self,
                 py: Python<'py>,
                 origin: &Bound<'py, PyAny>,
                 direction: &Bound<'py, PyAny>,
-                half_size: &Bound<'py, PyAny>,
-                radius: Given<'py>,
+                radii: Given<'py>,
+                half_sizes: Maybe<'_, 'py>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let (half_size, max_distance) = (Some(half_size), &max_distance);
-                let radius = radius.value();
-                let cast = Cast { origin, direction, half_size, radius, max_distance, all: false };
-                self.cast(py, &cast, mask)
+                let sizes = (half_sizes, radii.value());
+                let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
+                self.cast(py, &cast, mask, false)
             }
         }
 
         impl $class {
-            /// The casts of rays, discs and boxes.
+            /// The first shape on each path, or all.
             fn cast<'py>(
                 &self,
                 py: Python<'py>,
                 cast: &Cast<'_, 'py>,
                 mask: Maybe<'_, 'py>,
+                all: bool,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let (mask, all) = (queries::mask(mask)?, cast.all);
+                let mask = queries::mask(mask)?;
                 $with_index!(self, index => {
-                    queries::cast(py, cast, |rays| {
+                    queries::cast(py, cast, all, |rays| {
                         if all { index.all_hits(rays, mask) } else { index.first_hits(rays, mask) }
                     })
                 })

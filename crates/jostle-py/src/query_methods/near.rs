@@ -1,7 +1,7 @@
 //! Queries of the nearest shapes of a point, and of the neighbours of every shape.
 
 macro_rules! near_methods {
-    ($class:ident, $with_index:ident, $name:literal, $make:literal, $ids:literal, $id:literal) => {
+    ($class:ident, $with_index:ident) => {
         #[pymethods]
         impl $class {
             /// Find the shapes nearest to a point, or to each of many.
@@ -16,19 +16,20 @@ macro_rules! near_methods {
             ///     Ignore shapes farther than this, in units of length.
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
+            /// exclude : int or array_like of int, shape (n,), optional
+            ///     An id that is not found, one for all points or one for each; -1 is none.
             ///
             /// Returns
             /// -------
             /// Neighbors
-            ///     Unpacks as ``distances, ids``, in this order, as SciPy's `cKDTree.query`
-            #[doc = concat!("    (:meth:`raycast` returns the ", $id, " first).")]
+            ///     With the fields:
             ///
-            #[doc = concat!("    distances : ndarray of the ", $name, "'s dtype, shape (k,) or (n, k)")]
+            ///     ids : ndarray of int64, shape (k,) or (n, k)
+            ///         Ids, the smaller first at equal distances; -1 if fewer than k are found; remove
+            ///         those before you use them as an index.
+            ///     distances : ndarray of float32 or float64, shape (k,) or (n, k)
             ///         Distances to the surfaces, nearest first; 0 inside a shape, infinity if
             ///         fewer than k are found.
-            ///     ids : ndarray of int64, shape (k,) or (n, k)
-            #[doc = concat!("        ", $ids, ", the smaller first at equal distances; -1 if fewer than k are")]
-            ///         found; remove those before you use them as an index.
             ///
             /// Raises
             /// ------
@@ -48,13 +49,14 @@ macro_rules! near_methods {
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
-            #[doc = concat!(">>> distances, ids = ", $name, ".nearest((2, 0), k=2)")]
-            /// >>> distances, ids
-            /// (array([0., 1.]), array([1, 0]))
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+            /// >>> tree.nearest((2, 0), k=2)
+            /// Neighbors(ids=array([1, 0]), distances=array([0., 1.]))
+            /// >>> tree.nearest((2, 0), exclude=1).ids
+            /// array([0])
             #[pyo3(
-                signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None),
-                text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None)"
+                signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None, exclude=None),
+                text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
             fn nearest<'py>(
                 &self,
@@ -63,10 +65,12 @@ macro_rules! near_methods {
                 k: Given<'py>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let mask = queries::mask(mask)?;
+                let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
-                    queries::nearest(py, point, &k, &max_distance, |points, wanted| {
+                    let wanted = (&k, &max_distance, exclude.as_ref());
+                    queries::nearest(py, point, wanted, |points, wanted| {
                         index.nearest(points, wanted, mask)
                     })
                 })
@@ -84,9 +88,9 @@ macro_rules! near_methods {
             ///
             /// Returns
             /// -------
-            /// Hits
-            #[doc = concat!("    Compressed sparse rows: ``ids[offsets[i]:offsets[i + 1]]`` are the ", $id, "s of the")]
-            #[doc = concat!("    neighbours of shape i, ascending, itself left out; i counts the shapes in ascending ", $id, ".")]
+            /// IdLists
+            ///     For each shape, in the order of its row, the ids of its neighbours, ascending, itself left
+            ///     out. The fields `offsets` and `ids` are compressed sparse rows.
             ///
             /// Raises
             /// ------
@@ -100,8 +104,8 @@ macro_rules! near_methods {
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)])")]
-            #[doc = concat!(">>> ", $name, ".neighbors(3.5).lists()")]
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)])
+            /// >>> list(tree.neighbors(3.5))
             /// [array([1]), array([0, 2]), array([1])]
             #[pyo3(signature = (distance, *, mask=None))]
             fn neighbors<'py>(

@@ -1,7 +1,7 @@
 //! Queries of all shapes in a rectangle, a disc or a polygon, or at a point.
 
 macro_rules! region_methods {
-    ($class:ident, $with_index:ident, $name:literal, $make:literal, $ids:literal) => {
+    ($class:ident, $with_index:ident) => {
         #[pymethods]
         impl $class {
             /// Find the shapes that overlap a rectangle, or each of many.
@@ -15,11 +15,13 @@ macro_rules! region_methods {
             ///     in a list.
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that is not found, one for all queries or one for each; -1 is none.
             ///
             /// Returns
             /// -------
-            /// ndarray of int64, shape (m,), or Hits
-            #[doc = concat!("    ", $ids, ", ascending; for many rectangles a `Hits`. A shape that only touches")]
+            /// ndarray of int64, shape (m,), or IdLists
+            ///     Ids, ascending; for many rectangles the list of each. A shape that only touches
             ///     a rectangle does not overlap it.
             ///
             /// Raises
@@ -35,29 +37,30 @@ macro_rules! region_methods {
             ///
             /// Notes
             /// -----
-            #[doc = concat!("Queries are converted to the ", $name, "'s dtype; the result is that of brute force in this")]
-            #[doc = concat!("arithmetic. Many queries in one call use all threads of the ", $name, ". A shape without")]
+            /// The ids of a `Quadtree` are row numbers. Queries are converted to its dtype; the result is that
+            /// of brute force in this arithmetic. Many queries in one call use all threads. A shape without
             /// categories (0) is found only if no mask is given.
             ///
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)], radii=1.0)")]
-            #[doc = concat!(">>> ", $name, ".query_rect((2.5, -1, 9, 1))")]
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+            /// >>> tree.query_rect((2.5, -1, 9, 1))
             /// array([1, 2])
-            #[doc = concat!(">>> hits = ", $name, ".query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])")]
-            /// >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
-            /// array([1, 2])
-            #[pyo3(signature = (rect, *, mask=None))]
+            /// >>> found = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
+            /// >>> found[1], found.counts
+            /// (array([1, 2]), array([1, 2]))
+            #[pyo3(signature = (rect, *, mask=None, exclude=None))]
             fn query_rect<'py>(
                 &self,
                 py: Python<'py>,
                 rect: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let mask = queries::mask(mask)?;
+                let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
-                    queries::rect(py, rect, |rects| index.search(rects, mask))
+                    queries::rect(py, rect, exclude.as_ref(), |rects| index.search(rects, mask))
                 })
             }
 
@@ -71,11 +74,13 @@ macro_rules! region_methods {
             ///     Radii. With one centre and many radii, all discs have that centre.
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that is not found, one for all queries or one for each; -1 is none.
             ///
             /// Returns
             /// -------
-            /// ndarray of int64, shape (m,), or Hits
-            #[doc = concat!("    ", $ids, ", ascending; for many discs a `Hits`. A shape that only touches")]
+            /// ndarray of int64, shape (m,), or IdLists
+            ///     Ids, ascending; for many discs the list of each. A shape that only touches
             ///     a disc does not overlap it.
             ///
             /// Raises
@@ -92,20 +97,21 @@ macro_rules! region_methods {
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)], radii=1.0)")]
-            #[doc = concat!(">>> ", $name, ".query_circle((1, 0), 1.5)")]
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+            /// >>> tree.query_circle((1, 0), 1.5)
             /// array([0, 1])
-            #[pyo3(signature = (center, radius, *, mask=None))]
+            #[pyo3(signature = (center, radius, *, mask=None, exclude=None))]
             fn query_circle<'py>(
                 &self,
                 py: Python<'py>,
                 center: &Bound<'py, PyAny>,
                 radius: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let mask = queries::mask(mask)?;
+                let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
-                    queries::circle(py, center, radius, |circles| index.search(circles, mask))
+                    queries::circle(py, center, radius, exclude.as_ref(), |circles| index.search(circles, mask))
                 })
             }
 
@@ -121,11 +127,13 @@ macro_rules! region_methods {
             ///     Points.
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that is not found, one for all queries or one for each; -1 is none.
             ///
             /// Returns
             /// -------
-            /// ndarray of int64, shape (m,), or Hits
-            #[doc = concat!("    ", $ids, ", ascending; for many points a `Hits`.")]
+            /// ndarray of int64, shape (m,), or IdLists
+            ///     Ids, ascending; for many points the list of each.
             ///
             /// Raises
             /// ------
@@ -140,19 +148,20 @@ macro_rules! region_methods {
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])")]
-            #[doc = concat!(">>> ", $name, ".query_point((1.0, 0.2))")]
+            /// >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
+            /// >>> tree.query_point((1.0, 0.2))
             /// array([1])
-            #[pyo3(signature = (point, *, mask=None))]
+            #[pyo3(signature = (point, *, mask=None, exclude=None))]
             fn query_point<'py>(
                 &self,
                 py: Python<'py>,
                 point: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let mask = queries::mask(mask)?;
+                let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
-                    queries::point(py, point, |points| index.search(points, mask))
+                    queries::point(py, point, exclude.as_ref(), |points| index.search(points, mask))
                 })
             }
 
@@ -164,11 +173,13 @@ macro_rules! region_methods {
             ///     Corners in order, clockwise or counterclockwise.
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
+            /// exclude : int or array_like of int, shape (k,), optional
+            ///     An id that is not found, one for all queries or one for each; -1 is none.
             ///
             /// Returns
             /// -------
-            /// ndarray of int64, shape (m,), or Hits
-            #[doc = concat!("    ", $ids, ", ascending; for many polygons a `Hits`. A shape that only touches")]
+            /// ndarray of int64, shape (m,), or IdLists
+            ///     Ids, ascending; for many polygons the list of each. A shape that only touches
             ///     a polygon does not overlap it.
             ///
             /// Raises
@@ -184,19 +195,20 @@ macro_rules! region_methods {
             /// Examples
             /// --------
             /// >>> import jostle
-            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)], radii=1.0)")]
-            #[doc = concat!(">>> ", $name, ".query_polygon([(1, 2), (5, 0.5), (5, 2)])")]
+            /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
+            /// >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
             /// array([2])
-            #[pyo3(signature = (vertices, *, mask=None))]
+            #[pyo3(signature = (vertices, *, mask=None, exclude=None))]
             fn query_polygon<'py>(
                 &self,
                 py: Python<'py>,
                 vertices: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
+                exclude: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let mask = queries::mask(mask)?;
+                let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
-                    queries::polygon(py, vertices, |polygons| index.search(polygons, mask))
+                    queries::polygon(py, vertices, exclude.as_ref(), |polygons| index.search(polygons, mask))
                 })
             }
         }

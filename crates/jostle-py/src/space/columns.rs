@@ -1,243 +1,269 @@
-//! Reading the shapes of a space.
+//! The columns of a space, and some of its shapes.
 
 use jostle_base::ids::Id;
-use jostle_index::Scalar;
 use jostle_index::geometry::Shape;
-use jostle_space::Space;
+use jostle_index::{Each, Scalar};
+use jostle_space::{ShapeChanges, Space};
 use numpy::{Element, PyArray1};
-use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
 use super::{Either, PySpace, long};
-use crate::arrays::{column, table};
+use crate::arrays::{Argument, bit_sets, column, read_only, reals, table};
 use crate::error::refused;
-use crate::ids::Ids;
+use crate::ids::{Ids, rows_of_any_shape};
 use crate::lock::Shared;
-use crate::queries::{Maybe, result_of};
+use crate::queries::result_of;
+use crate::results;
+use crate::shapes::{Positions, Where};
 
 #[pymethods]
 impl PySpace {
-    /// Return centres; ``(min + max) / 2`` for shapes given as boxes.
+    /// Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the space's dtype, shape
+    /// (n, 2), a read-only copy in the order of adding.
     ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,), optional
-    ///     The shapes; if omitted all of them, in the order of `ids`.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of the space's dtype, shape (k, 2), or (2,) for one id
-    ///     A copy.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an id does not exist.
+    /// Assign to it to move all shapes, as :meth:`set` does. With a period they are in
+    /// ``[0, period)``. As of every column, the row of a shape is that of its id in `ids`; the first
+    /// reading after shapes were removed visits all of them.
     ///
     /// See Also
     /// --------
-    /// boxes : Sides instead of centres.
-    /// half_sizes, radii : The sizes.
+    /// rows : The rows of ids.
+    /// get, set : Some shapes.
     ///
     /// Examples
     /// --------
     /// >>> import jostle
     /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 4)])
-    /// >>> space.centers(1)
-    /// array([3., 4.])
-    #[pyo3(signature = (ids=None))]
-    fn centers<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_rows(py, space, ids, |shape| shape.center()))
+    /// >>> ids = space.add([(0, 0), (3, 4)], radii=1.0)
+    /// >>> space.positions = space.positions + (1, 0)
+    /// >>> space.positions
+    /// array([[1., 0.],
+    ///        [4., 4.]])
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => table_of(py, space, |shape| shape.center()))
     }
 
-    /// Return half widths and half heights; 0 for circles, ``(max - min) / 2`` for shapes given as
-    /// boxes.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,), optional
-    ///     The shapes; if omitted all of them.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of the space's dtype, shape (k, 2), or (2,) for one id
-    ///     A copy.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an id does not exist.
-    ///
-    /// See Also
-    /// --------
-    /// boxes : Sides, without rounding.
-    /// radii : The radii.
-    #[pyo3(signature = (ids=None))]
-    fn half_sizes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_rows(py, space, ids, |shape| shape.core_half_size()))
-    }
-
-    /// Return boxes: the sides of the shapes without their radii.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,), optional
-    ///     The shapes; if omitted all of them.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of the space's dtype, shape (k, 4), or (4,) for one id
-    ///     A copy: min_x, min_y, max_x, max_y, as they were given, or ``center ± half_size``;
-    ///     for a circle its centre as both corners.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an id does not exist.
-    ///
-    /// See Also
-    /// --------
-    /// centers, half_sizes : The same as centres and half sizes.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add(boxes=[(0, 0, 0.1, 0.1), (0.1, 0, 0.2, 0.1)])
-    /// >>> space.boxes(1)
-    /// array([0.1, 0. , 0.2, 0.1])
-    #[pyo3(signature = (ids=None))]
-    fn boxes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_rows(py, space, ids, |shape| shape.core()))
-    }
-
-    /// Return radii.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,), optional
-    ///     The shapes; if omitted all of them.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of the space's dtype, shape (k,), or float for one id
-    ///     A copy.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an id does not exist.
-    ///
-    /// See Also
-    /// --------
-    /// half_sizes : Half widths and half heights.
-    #[pyo3(signature = (ids=None))]
-    fn radii<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => match read(py, space, ids, |shape| shape.radius)? {
-            (radii, true) => radii[0].to_f64().into_bound_py_any(py),
-            (radii, false) => Ok(column(py, radii).into_any()),
+    #[setter]
+    fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => {
+            let positions = Where::read(Some(value), None, None)?;
+            assign(py, space, |len| Ok(moved(positions.rows(len)?)))
         })
     }
 
-    /// Return categories.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,), optional
-    ///     The shapes; if omitted all of them.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of uint32, shape (k,), or int for one id
-    ///     A copy.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an id does not exist.
-    ///
-    /// See Also
-    /// --------
-    /// masks : The categories that each shape may pair with.
-    /// set_filter : Change them.
-    #[pyo3(signature = (ids=None))]
-    fn categories<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_bits(py, space, ids, |shape| shape.category))
+    /// Radii: ndarray of the space's dtype, shape (n,), a read-only copy. Assign a number or an array to
+    /// it to change all.
+    #[getter]
+    fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => column_of(py, space, |shape| shape.radius))
     }
 
-    /// Return masks.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,), optional
-    ///     The shapes; if omitted all of them.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of uint32, shape (k,), or int for one id
-    ///     A copy.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If an id does not exist.
-    ///
-    /// See Also
-    /// --------
-    /// categories : The categories of each shape.
-    /// set_filter : Change them.
-    #[pyo3(signature = (ids=None))]
-    fn masks<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => read_bits(py, space, ids, |shape| shape.mask))
+    #[setter]
+    fn set_radii(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => assign(py, space, |len| {
+            Ok(ShapeChanges { radii: reals("radii", Some(value), len)?, ..ShapeChanges::default() })
+        }))
     }
 
-    /// The ids of all shapes, ascending: ndarray of int64, shape (n,).
+    /// Half widths and half heights: ndarray of the space's dtype, shape (n, 2), a read-only copy; 0 for
+    /// circles, ``(max - min) / 2`` for shapes given as boxes. Assign to it to change all.
+    #[getter]
+    fn half_sizes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => table_of(py, space, |shape| shape.core_half_size()))
+    }
+
+    #[setter]
+    fn set_half_sizes(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => assign(py, space, |len| {
+            let half_sizes = Some(Argument::reals("half_sizes", value)?.half_sizes(len)?);
+            Ok(ShapeChanges { half_sizes, ..ShapeChanges::default() })
+        }))
+    }
+
+    /// The sides of the shapes without their radii: ndarray of the space's dtype, shape (n, 4), a
+    /// read-only copy. Assign to it to give all shapes boxes.
+    ///
+    /// They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``; for a circle
+    /// its centre as both corners.
+    #[getter]
+    fn boxes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => table_of(py, space, |shape| shape.core()))
+    }
+
+    #[setter]
+    fn set_boxes(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => {
+            let boxes = Where::read(None, None, Some(value))?;
+            assign(py, space, |len| Ok(moved(boxes.rows(len)?)))
+        })
+    }
+
+    /// Categories, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an
+    /// array to it to change all.
+    #[getter]
+    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => column_of(py, space, |shape| shape.category))
+    }
+
+    #[setter]
+    fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => assign(py, space, |len| {
+            let categories = bit_sets("categories", Some(value), len)?;
+            Ok(ShapeChanges { categories, ..ShapeChanges::default() })
+        }))
+    }
+
+    /// Masks, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an array
+    /// to it to change all.
+    #[getter]
+    fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => column_of(py, space, |shape| shape.mask))
+    }
+
+    #[setter]
+    fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => assign(py, space, |len| {
+            let masks = bit_sets("masks", Some(value), len)?;
+            Ok(ShapeChanges { masks, ..ShapeChanges::default() })
+        }))
+    }
+
+    /// The ids of all shapes, in the order of adding: ndarray of int64, shape (n,), a read-only copy.
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
         with_space!(self, space => {
             let ids = long(py, space, |space| space.ids())?.map_err(refused)?;
-            Ok(column(py, ids))
+            Ok(read_only(column(py, ids)))
+        })
+    }
+
+    /// Return the rows that shapes have in the columns.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, of any shape
+    ///     The shapes.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64 of the same shape, or int
+    ///     Their rows, until a shape before them is removed.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// ids : The ids of all rows.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
+    /// >>> space.remove(0)
+    /// >>> space.rows(space.pairs(distance=9.0))
+    /// array([[0, 1]])
+    fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => rows_of_any_shape(ids, "shape", |ids| {
+            long(py, space, |space| space.rows_of(ids))
+        }))
+    }
+
+    /// Return some shapes.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The shapes, in any order, also several times.
+    ///
+    /// Returns
+    /// -------
+    /// Shape or Shapes
+    ///     Copies of their columns; of one id the values of one shape.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// set : Change some shapes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 4)], radii=[1.0, 2.0])
+    /// >>> space.get(1).positions, space.get(1).radii
+    /// (array([3., 4.]), 2.0)
+    /// >>> space.get([1, 0]).radii
+    /// array([2., 1.])
+    fn get<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let Ids { all, single } = Ids::read(ids, "shape")?;
+            let shapes = long(py, space, |space| space.read(&all, |shape| shape))?;
+            results::shapes(py, &result_of(shapes, single)?, single)
         })
     }
 }
 
-/// A value of each shape, and whether the argument was one id.
-fn read<T: Scalar, V: Send>(
+/// The change to other positions.
+pub(super) fn moved<T>(positions: Positions<T>) -> ShapeChanges<T>
+where
+    ShapeChanges<T>: Default,
+{
+    match positions {
+        Positions::Centers(all) => {
+            ShapeChanges { positions: Some(Each::Rows(all)), ..ShapeChanges::default() }
+        }
+        Positions::Boxes(all) => {
+            ShapeChanges { boxes: Some(Each::Rows(all)), ..ShapeChanges::default() }
+        }
+    }
+}
+
+/// Changes all shapes; `read` reads the argument for their number.
+fn assign<T: Scalar>(
     py: Python<'_>,
     space: &Shared<Space<T>>,
-    ids: Maybe<'_, '_>,
-    of: impl Fn(Shape<T>) -> V + Send,
-) -> PyResult<(Vec<V>, bool)> {
-    let ids = ids.map(|ids| Ids::read(ids, "shape")).transpose()?;
-    let single = ids.as_ref().is_some_and(|ids| ids.single);
-    let values = long(py, space, |space| {
-        let all = ids.map_or_else(|| space.ids(), |ids| Ok(ids.all))?;
-        space.read(&all, of)
-    })?;
-    Ok((result_of(values, single)?, single))
+    read: impl FnOnce(usize) -> PyResult<ShapeChanges<T>>,
+) -> PyResult<()> {
+    let new = read(space.lock_attached(py)?.len())?;
+    let set = |space: &mut Space<T>| space.ids().and_then(|ids| space.set(&ids, &new));
+    long(py, space, set)?.map_err(refused)
 }
 
-fn read_rows<'py, T: Scalar + Element, const W: usize>(
+/// A value of each shape, in the order of adding.
+fn all<T: Scalar, V: Send>(
+    py: Python<'_>,
+    space: &Shared<Space<T>>,
+    of: impl Fn(Shape<T>) -> V + Send,
+) -> PyResult<Vec<V>> {
+    let read = |space: &mut Space<T>| space.ids().and_then(|ids| space.read(&ids, of));
+    long(py, space, read)?.map_err(refused)
+}
+
+fn column_of<'py, T: Scalar, V: Element>(
     py: Python<'py>,
     space: &Shared<Space<T>>,
-    ids: Maybe<'_, 'py>,
+    of: impl Fn(Shape<T>) -> V + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    Ok(read_only(column(py, all(py, space, of)?)).into_any())
+}
+
+fn table_of<'py, T: Scalar + Element, const W: usize>(
+    py: Python<'py>,
+    space: &Shared<Space<T>>,
     of: impl Fn(Shape<T>) -> [T; W] + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    match read(py, space, ids, of)? {
-        (rows, true) => Ok(column(py, rows[0].to_vec()).into_any()),
-        (rows, false) => Ok(table(py, rows)?.into_any()),
-    }
-}
-
-fn read_bits<'py, T: Scalar>(
-    py: Python<'py>,
-    space: &Shared<Space<T>>,
-    ids: Maybe<'_, 'py>,
-    of: impl Fn(Shape<T>) -> u32 + Send,
-) -> PyResult<Bound<'py, PyAny>> {
-    match read(py, space, ids, of)? {
-        (bits, true) => bits[0].into_bound_py_any(py),
-        (bits, false) => Ok(column(py, bits).into_any()),
-    }
+    Ok(read_only(table(py, all(py, space, of)?)?).into_any())
 }

@@ -2,10 +2,12 @@
 
 use jostle_index::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use jostle_index::{Each, Scalar, Shapes};
+use jostle_space::ShapeChanges;
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
+use super::columns::moved;
 use super::{Either, PySpace, long};
 use crate::arrays::{Argument, Given, bit_sets, column, reals};
 use crate::ids::Ids;
@@ -18,14 +20,14 @@ impl PySpace {
     ///
     /// Parameters
     /// ----------
-    /// centers : array_like, shape (k, 2) or (2,), optional
+    /// positions : array_like, shape (k, 2) or (2,), optional
     ///     Centres; required unless `boxes` is given.
     /// radii : array_like, a number or shape (k,), default 0.0
     ///     Radii.
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
     ///     Half widths and half heights. If omitted, the shapes are circles.
     /// boxes : array_like, shape (k, 4) or (4,), optional
-    ///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+    ///     Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
     ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
     ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
     ///     x, y, width and height. The four numbers are compared without rounding: boxes that share
@@ -43,12 +45,12 @@ impl PySpace {
     /// ndarray of int64, shape (k,), or int
     ///     Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
     ///     removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
-    ///     indices of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
+    ///     indices of arrays; :meth:`rows` gives those.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     If an argument does not hold numbers, or if not exactly one of `centers` and
+    ///     If an argument does not hold numbers, or if not exactly one of `positions` and
     ///     `boxes` is given.
     /// ValueError
     ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
@@ -56,9 +58,7 @@ impl PySpace {
     ///
     /// See Also
     /// --------
-    /// move : Change centres or boxes.
-    /// resize : Change radii or half sizes.
-    /// set_filter : Change categories and masks.
+    /// set : Change shapes.
     /// remove : Remove shapes.
     ///
     /// Examples
@@ -73,17 +73,17 @@ impl PySpace {
     /// array([3, 4])
     #[pyo3(
         signature = (
-            centers=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None,
+            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None,
             categories=Given::NOTHING, masks=Given::NOTHING,
         ),
-        text_signature = "($self, centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
+        text_signature = "($self, positions=None, radii=0.0, half_sizes=None, *, boxes=None, \
                           categories=1, masks=0xFFFFFFFF)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
         &self,
         py: Python<'py>,
-        centers: Maybe<'_, 'py>,
+        positions: Maybe<'_, 'py>,
         radii: Given<'py>,
         half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
@@ -91,7 +91,7 @@ impl PySpace {
         masks: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => {
-            let (positions, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
+            let (positions, len) = Where::read(positions, half_sizes, boxes)?.one_or_rows()?;
             let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
             let new = Draft {
                 radii: reals("radii", radii.value(), len.unwrap_or(1))?,
@@ -104,36 +104,45 @@ impl PySpace {
         })
     }
 
-    /// Change the centres or the boxes of shapes.
+    /// Change some shapes. What is omitted stays the same.
     ///
-    /// Shapes whose values are unchanged cost almost nothing. For shapes that slide, this is a motion
-    /// along a straight line, however long: see :meth:`move_and_slide`. To put an obstacle elsewhere
-    /// without a motion, remove it and add another one.
+    /// Shapes whose values are unchanged cost almost nothing. For shapes that slide, new positions or
+    /// boxes are a motion along a straight line, however long: see :meth:`move_and_slide`. To put an
+    /// obstacle elsewhere without a motion, remove it and add another one.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
     ///     The shapes, each at most once.
-    /// centers : array_like, shape (k, 2), or (2,) for one id, optional
-    ///     The new centres. A shape that was given as a box, and whose centre changes, is stored as
+    /// positions : array_like, shape (k, 2), or (2,) for one id, optional
+    ///     Centres. A shape that was given as a box, and whose centre changes, is stored as
     ///     ``center ± half_size`` from then on, with half the size of its box, and its sides are
     ///     rounded. Give `boxes` to keep them exact.
+    /// radii : array_like, a number or shape (k,), optional
+    ///     Radii.
+    /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+    ///     Half widths and half heights. A shape that was given as a box, and whose size changes, is
+    ///     stored as ``center ± half_size`` from then on.
     /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
-    ///     In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
-    ///     as in :meth:`add`. The size may change too. Radii stay the same.
+    ///     In place of `positions` and `half_sizes`, sides min_x, min_y, max_x, max_y of each shape,
+    ///     or pygame's Rects, as in :meth:`add`.
+    /// categories : array_like of int, a number or shape (k,), optional
+    ///     Categories, sets of 32 bits.
+    /// masks : array_like of int, a number or shape (k,), optional
+    ///     Categories each shape may pair with.
     ///
     /// Raises
     /// ------
     /// TypeError
-    ///     If an argument does not hold numbers, or if not exactly one of `centers` and
-    ///     `boxes` is given.
+    ///     If an argument does not hold numbers, or `boxes` is given beside `positions` or
+    ///     `half_sizes`.
     /// ValueError
-    ///     If an id does not exist or is given twice, a coordinate is not finite, or a
-    ///     minimum is above its maximum; then nothing moves.
+    ///     If an id does not exist or is given twice, a value is not finite or out of range, or a
+    ///     minimum is above its maximum; then nothing changes.
     ///
     /// See Also
     /// --------
-    /// resize : Change radii or half sizes.
+    /// get : Read some shapes.
     /// update : The pairs that enter and leave by it.
     /// move_and_slide : Moves shapes among obstacles, which push them if they have moved.
     ///
@@ -142,130 +151,50 @@ impl PySpace {
     /// >>> import jostle
     /// >>> space = jostle.Space()
     /// >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
-    /// >>> space.move(ids, [(1, 0), (6, 0)])
-    /// >>> space.move(0, (2, 0))
-    /// >>> space.centers(ids)
-    /// array([[2., 0.],
-    ///        [6., 0.]])
-    /// >>> tile = space.add(boxes=(0, 0, 0.1, 0.1))
-    /// >>> space.move(tile, boxes=(0.1, 0, 0.2, 0.1))
-    #[pyo3(name = "move", signature = (ids, centers=None, *, boxes=None))]
-    fn move_to<'py>(
+    /// >>> space.set(ids, positions=[(1, 0), (6, 0)], radii=[1.0, 3.5])
+    /// >>> space.set(0, positions=(2, 0))
+    /// >>> space.update().entered
+    /// array([[0, 1]])
+    /// >>> space.set(0, masks=0)  # it can no longer pair
+    /// >>> len(space.pairs())
+    /// 0
+    #[pyo3(
+        signature = (
+            ids, *, positions=None, radii=None, half_sizes=None, boxes=None, categories=None,
+            masks=None,
+        )
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's arguments")]
+    fn set<'py>(
         &self,
         py: Python<'py>,
         ids: &Bound<'py, PyAny>,
-        centers: Maybe<'_, 'py>,
+        positions: Maybe<'_, 'py>,
+        radii: Maybe<'_, 'py>,
+        half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
+        categories: Maybe<'_, 'py>,
+        masks: Maybe<'_, 'py>,
     ) -> PyResult<()> {
         with_space!(self, space => {
             let ids = Ids::read(ids, "shape")?;
-            let positions = Where::read(centers, None, boxes)?;
-            let positions = if ids.single { positions.only() } else { positions.rows(ids.all.len()) }?;
-            ids.result_of(long(py, space, |space| match &positions {
-                Positions::Centers(centers) => space.move_to(&ids.all, centers),
-                Positions::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
-            })?)
-        })
-    }
-
-    /// Change the radii or the half sizes of shapes, or both.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,)
-    ///     The shapes, each at most once.
-    /// radii : array_like, a number or shape (k,), optional
-    ///     If omitted, they stay the same.
-    /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-    ///     If omitted, they stay the same. A shape that was given as a box, and whose size
-    ///     changes, is stored as ``center ± half_size`` from then on; ``move(ids, boxes=...)``
-    ///     gives it another box.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If an argument does not hold numbers.
-    /// ValueError
-    ///     If an id does not exist or is given twice, or a size is not finite or out of
-    ///     range; then nothing changes.
-    ///
-    /// See Also
-    /// --------
-    /// move : Change centres or boxes.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (3, 0)], radii=1.0)
-    /// >>> space.resize(ids, 2.0)
-    /// >>> space.update().entered
-    /// array([[0, 1]])
-    #[pyo3(signature = (ids, radii=None, half_sizes=None))]
-    fn resize(
-        &self,
-        py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
-        radii: Maybe<'_, '_>,
-        half_sizes: Maybe<'_, '_>,
-    ) -> PyResult<()> {
-        with_space!(self, space => {
-            let ids = Ids::read(ids, "shape")?;
-            let radii = reals("radii", radii, ids.all.len())?;
-            let sizes = sizes(half_sizes, ids.all.len())?;
-            let (radii, sizes) = (radii.as_ref(), sizes.as_ref());
-            ids.result_of(long(py, space, |space| space.resize(&ids.all, radii, sizes))?)
-        })
-    }
-
-    /// Change the categories or the masks of shapes, or both.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,)
-    ///     The shapes, each at most once.
-    /// categories : array_like of int, a number or shape (k,), optional
-    ///     If omitted, they stay the same.
-    /// masks : array_like of int, a number or shape (k,), optional
-    ///     If omitted, they stay the same.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If an argument does not hold integers.
-    /// ValueError
-    ///     If an id does not exist or is given twice, or a set of bits has more than 32;
-    ///     then nothing changes.
-    ///
-    /// See Also
-    /// --------
-    /// categories, masks : The present ones.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> ids = space.add([(0, 0), (1, 0)], radii=1.0)
-    /// >>> space.set_filter(0, masks=0)  # it can no longer pair
-    /// >>> len(space.pairs())
-    /// 0
-    #[pyo3(signature = (ids, categories=None, masks=None))]
-    fn set_filter(
-        &self,
-        py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
-        categories: Maybe<'_, '_>,
-        masks: Maybe<'_, '_>,
-    ) -> PyResult<()> {
-        with_space!(self, space => {
-            let ids = Ids::read(ids, "shape")?;
-            let [categories, masks] = bits([categories, masks], ids.all.len())?;
-            let (categories, masks) = (categories.as_ref(), masks.as_ref());
-            ids.result_of(long(py, space, |space| space.set_filter(&ids.all, categories, masks))?)
+            let len = ids.all.len();
+            let mut new = ShapeChanges::default();
+            if positions.is_some() || boxes.is_some() {
+                let places = Where::read(positions, half_sizes, boxes)?;
+                new = moved(if ids.single { places.only() } else { places.rows(len) }?);
+            }
+            new.radii = reals("radii", radii, len)?;
+            new.half_sizes = sizes(half_sizes, len)?;
+            [new.categories, new.masks] = bits([categories, masks], len)?;
+            ids.result_of(long(py, space, |space| space.set(&ids.all, &new))?)
         })
     }
 
     /// Remove shapes. Their ids are never used again.
+    ///
+    /// The next reading of a column, of `ids` or of rows visits all shapes once, however many were
+    /// removed.
     ///
     /// Parameters
     /// ----------

@@ -63,6 +63,7 @@ fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bo
         column(py, saved.filters.into_flattened()).into_any(),
         column(py, saved.generations).into_any(),
         column(py, saved.free).into_any(),
+        column(py, saved.ids).into_any(),
         column(py, saved.pairs.into_flattened()).into_any(),
         column(py, saved.changed).into_any(),
         column(py, saved.leaving).into_any(),
@@ -117,13 +118,13 @@ fn restored<T: Scalar + Element>(
     let corners = Argument::reals("state", &item(0)?)?;
     let count = corners.boxes_len()?;
     let half_sizes = Argument::reals("state", &item(2)?)?;
-    let rides = Argument::integers("state", &item(10)?)?.id_pairs()?;
+    let rides = Argument::integers("state", &item(11)?)?.id_pairs()?;
     let calls = |index: usize| -> PyResult<Vec<i64>> {
         let calls = Argument::integers("state", &item(index)?)?;
         let len = calls.len()?;
         Ok(calls.long_ids("call")?.rows(len))
     };
-    let moved = calls(15)?;
+    let moved = calls(16)?;
     let saved = Saved {
         corners: corners.boxes(count)?,
         radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
@@ -131,16 +132,17 @@ fn restored<T: Scalar + Element>(
         filters: pairs(3)?,
         generations: list(4)?,
         free: list(5)?,
-        pairs: pairs(6)?,
-        changed: list(7)?,
-        leaving: list(8)?,
-        updates: item(9)?.extract()?,
-        ride_centers: Argument::reals("state", &item(11)?)?.pairs(rides.len())?,
+        ids: calls(6)?,
+        pairs: pairs(7)?,
+        changed: list(8)?,
+        leaving: list(9)?,
+        updates: item(10)?.extract()?,
+        ride_centers: Argument::reals("state", &item(12)?)?.pairs(rides.len())?,
         rides,
-        walls: Argument::reals("state", &item(12)?)?.segments()?,
-        calls: item(13)?.extract()?,
-        slid: calls(14)?,
-        before: Argument::reals("state", &item(16)?)?.pairs(moved.len())?,
+        walls: Argument::reals("state", &item(13)?)?.segments()?,
+        calls: item(14)?.extract()?,
+        slid: calls(15)?,
+        before: Argument::reals("state", &item(17)?)?.pairs(moved.len())?,
         moved,
     };
     let restore = || Space::restore(settings, settings::period_in(period)?, saved);

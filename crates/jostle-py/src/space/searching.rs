@@ -34,8 +34,8 @@ impl PySpace {
     /// Events
     ///     Three arrays:
     ///
-    ///     entered, stayed, left : ndarray of int64, shape (m, 2)
-    ///         Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
+    ///     entered, stayed, exited : ndarray of int64, shape (m, 2)
+    ///         Pairs of ids, the smaller first, sorted. `exited` may contain the ids of removed
     ///         shapes. `stayed` is computed when it is first read.
     ///
     /// Raises
@@ -52,12 +52,11 @@ impl PySpace {
     /// >>> import jostle
     /// >>> space = jostle.Space()
     /// >>> ids = space.add([(0, 0), (1, 0), (8, 0)], radii=1.0)
-    /// >>> entered, stayed, left = space.update()
-    /// >>> entered
+    /// >>> space.update().entered
     /// array([[0, 1]])
-    /// >>> space.move(2, (2, 0))
-    /// >>> entered, stayed, left = space.update()
-    /// >>> entered, stayed
+    /// >>> space.set(2, positions=(2, 0))
+    /// >>> events = space.update()
+    /// >>> events.entered, events.stayed
     /// (array([[1, 2]]), array([[0, 1]]))
     #[pyo3(
         signature = (*, max_pairs=Given::NOTHING),

@@ -69,7 +69,7 @@ impl PySpace {
     ///
     /// See Also
     /// --------
-    /// move : Sets centres, also where other shapes are.
+    /// set : Sets positions, also where other shapes are.
     /// walls : Line segments, for slopes and outlines of polygons.
     /// tiles : Merges the tiles of a grid into few boxes.
     ///
@@ -80,7 +80,7 @@ impl PySpace {
     /// displacement first, and shapes whose category `mask` leaves out last. The order of other
     /// shapes has no effect.
     ///
-    /// The motions that obstacles have made since the last call for a shape, by :meth:`move` or by
+    /// The motions that obstacles have made since the last call for a shape, by :meth:`set` or by
     /// another call, are repeated first, all at the same time: what meets the shape pushes it. A
     /// shape that met a floor in its last call is carried by it: it moves by the same vector, and
     /// other obstacles that move by this vector do not stop it. Several motions between two calls
@@ -107,10 +107,10 @@ impl PySpace {
     /// >>> slide = space.move_and_slide(player, (8, 5))
     /// >>> slide.on_floor, slide.remaining
     /// (True, array([8., 0.]))
-    /// >>> space.centers(player).round(6)
+    /// >>> space.get(player).positions.round(6)
     /// array([18.,  6.])
     /// >>> slide = space.move_and_slide(player, (1000, 5))
-    /// >>> slide.on_floor, slide.on_wall, space.centers(player).round(6)
+    /// >>> slide.on_floor, slide.on_wall, space.get(player).positions.round(6)
     /// (True, True, array([48.,  6.]))
     #[pyo3(
         signature = (

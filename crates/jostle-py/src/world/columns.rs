@@ -181,7 +181,7 @@ columns! {
     /// >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
     /// >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
     /// >>> world.step(1 / 60)
-    /// >>> world.events.entered, world.events.left
+    /// >>> world.events.entered, world.events.exited
     /// (array([[0, 1]]), array([[0, 1]]))
     /// >>> world.velocities[0]
     /// array([900.,   0.], dtype=float32)

@@ -224,7 +224,7 @@ impl PyWorld {
     ///
     /// Returns
     /// -------
-    /// WorldParticles or WorldParticle
+    /// Particles or Particle
     ///     Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
     ///     `add` and `set`, with a row for each id; single values for one id, those of float32 as the
     ///     float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
@@ -254,8 +254,8 @@ impl PyWorld {
     ///
     /// A copy of particle 1, in another place:
     ///
-    /// >>> copy = world.read(1)._replace(positions=(9, 0))
-    /// >>> world.add(**copy._asdict())
+    /// >>> copy = world.read(1).to_dict() | {"positions": (9, 0)}
+    /// >>> world.add(**copy)
     /// 2
     fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;

@@ -2,13 +2,12 @@
 
 use jostle_base::{Id, memory};
 use numpy::PyArray1;
-use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
 use super::PyWorld;
 use crate::arrays::{column, read_only};
 use crate::error::refused;
-use crate::ids::Ids;
+use crate::ids::rows_of_any_shape;
 
 #[pymethods]
 impl PyWorld {
@@ -41,12 +40,12 @@ impl PyWorld {
     ///
     /// Parameters
     /// ----------
-    /// ids : int or array_like of int, shape (k,)
+    /// ids : int or array_like of int, of any shape
     ///     The particles.
     ///
     /// Returns
     /// -------
-    /// ndarray of int64, shape (k,), or int
+    /// ndarray of int64 of the same shape, or int
     ///     Their rows, until a particle before them is removed or merges; one row for one id.
     ///
     /// Raises
@@ -68,14 +67,12 @@ impl PyWorld {
     /// >>> world.positions[world.rows(2)]
     /// array([9., 0.], dtype=float32)
     fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let ids = Ids::read(ids, "particle")?;
-        let rows = ids.result_of(self.long(py, |state| state.world.bodies().rows_of(&ids.all))?)?;
-        if ids.single {
-            rows[0].into_bound_py_any(py)
-        } else {
-            let rows = memory::collect(rows.into_iter().map(i64::from)).map_err(refused)?;
-            Ok(column(py, rows).into_any())
-        }
+        rows_of_any_shape(ids, "particle", |ids| {
+            self.long(py, |state| {
+                let rows = state.world.bodies().rows_of(ids);
+                rows.and_then(|rows| memory::collect(rows.into_iter().map(i64::from)))
+            })
+        })
     }
 
     /// The new id of each id after the last call of `step`: a read-only ndarray of int64, or None

@@ -89,11 +89,11 @@ impl PyWorld {
     /// ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
     /// ... )
     /// >>> world.step(2.0)  # 0 hits 1, which flies on
-    /// >>> world.events.entered, world.events.left
+    /// >>> world.events.entered, world.events.exited
     /// (array([[0, 1]]), array([[0, 1]]))
     /// >>> world.step(2.0)  # 1 touches 2 after 4 seconds
-    /// >>> entered, stayed, left = world.events
-    /// >>> entered, len(stayed), len(left)
+    /// >>> events = world.events
+    /// >>> events.entered, len(events.stayed), len(events.exited)
     /// (array([[1, 2]]), 0, 0)
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

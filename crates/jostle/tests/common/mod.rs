@@ -4,9 +4,10 @@
 pub mod ranks;
 pub mod worlds;
 
-use jostle_base::Settings;
 use jostle_base::settings::DEFAULT_MAX_DEPTH;
+use jostle_base::{Id, Result, Settings};
 use jostle_index::{Each, Quadtree, Scalar, Shapes};
+use jostle_space::{ShapeChanges, Space};
 use proptest::prelude::*;
 
 /// Raw shapes, to be read in either type.
@@ -104,4 +105,54 @@ pub fn built<T: Scalar>(shapes: &Shapes<T>, settings: Settings) -> Quadtree<T> {
     let tree = Quadtree::new(shapes, settings).expect("valid settings");
     tree.check().expect("the tree's invariants hold");
     tree
+}
+
+/// Changes of one column or two of a space.
+pub trait SetShapes<T> {
+    fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()>;
+    fn move_to_boxes(&mut self, ids: &[Id], boxes: &[[T; 4]]) -> Result<()>;
+    fn resize(
+        &mut self,
+        ids: &[Id],
+        radii: Option<&Each<T>>,
+        half_sizes: Option<&Each<[T; 2]>>,
+    ) -> Result<()>;
+    fn set_filter(
+        &mut self,
+        ids: &[Id],
+        categories: Option<&Each<u32>>,
+        masks: Option<&Each<u32>>,
+    ) -> Result<()>;
+}
+
+impl<T: Scalar> SetShapes<T> for Space<T> {
+    fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()> {
+        let positions = Some(Each::Rows(centers.to_vec()));
+        self.set(ids, &ShapeChanges { positions, ..ShapeChanges::default() })
+    }
+
+    fn move_to_boxes(&mut self, ids: &[Id], boxes: &[[T; 4]]) -> Result<()> {
+        let boxes = Some(Each::Rows(boxes.to_vec()));
+        self.set(ids, &ShapeChanges { boxes, ..ShapeChanges::default() })
+    }
+
+    fn resize(
+        &mut self,
+        ids: &[Id],
+        radii: Option<&Each<T>>,
+        half_sizes: Option<&Each<[T; 2]>>,
+    ) -> Result<()> {
+        let (radii, half_sizes) = (radii.cloned(), half_sizes.cloned());
+        self.set(ids, &ShapeChanges { radii, half_sizes, ..ShapeChanges::default() })
+    }
+
+    fn set_filter(
+        &mut self,
+        ids: &[Id],
+        categories: Option<&Each<u32>>,
+        masks: Option<&Each<u32>>,
+    ) -> Result<()> {
+        let (categories, masks) = (categories.cloned(), masks.cloned());
+        self.set(ids, &ShapeChanges { categories, masks, ..ShapeChanges::default() })
+    }
 }

@@ -13,6 +13,8 @@ pub struct Model<T> {
     pub shapes: BTreeMap<Id, Shape<T>>,
     /// Ids of removed shapes.
     pub gone: Vec<Id>,
+    /// The ids of all shapes, in the order of adding.
+    added: Vec<Id>,
 }
 
 impl<T: Scalar> Model<T> {
@@ -20,16 +22,17 @@ impl<T: Scalar> Model<T> {
     pub fn new(draw: &mut Draw) -> Self {
         let sides = [[0.0; 2], [0.0; 2], [8.0, 8.0], [9.5, 0.0], [0.0, 6.0], [33.0, 7.0]];
         let period = Period::new(draw.pick(&sides).map(T::from_f64)).expect("valid");
-        Self { period, shapes: BTreeMap::new(), gone: Vec::new() }
+        Self { period, shapes: BTreeMap::new(), gone: Vec::new(), added: Vec::new() }
     }
 
     pub fn ids(&self) -> Vec<Id> {
-        self.shapes.keys().copied().collect()
+        self.added.clone()
     }
 
     /// Adds shapes with new ids.
     pub fn add(&mut self, ids: &[Id], shapes: &Shapes<T>) {
         assert_eq!(ids.len(), shapes.len());
+        self.added.extend(ids);
         for (row, id) in ids.iter().enumerate() {
             assert!(*id >= 0 && !self.gone.contains(id), "{id} is given twice");
             let shape = self.period.wrap_shape(shapes.shape(row));
@@ -40,6 +43,7 @@ impl<T: Scalar> Model<T> {
     pub fn remove(&mut self, ids: &[Id]) {
         ids.iter().for_each(|id| assert!(self.shapes.remove(id).is_some()));
         self.gone.extend(ids);
+        self.added.retain(|id| !ids.contains(id));
     }
 
     /// Changes shapes; each function gets a shape and its row in `ids`.

@@ -3,6 +3,7 @@
 //! One space keeps its trees, the other is made anew from the shapes that are there; both give the same answers. A
 //! shape does not pass what a cast of it meets first, and enters nothing.
 
+use crate::common::SetShapes;
 use jostle_base::Id;
 use jostle_index::query::{self, Ray};
 use jostle_index::{Each, Period, Shape, Shapes};

@@ -1,5 +1,6 @@
 //! A space: shapes that are added, moved, changed and removed, and the events of their pairs.
 
+use crate::common::SetShapes;
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::{Error, Id, Method, Result, Settings};
 use jostle_index::geometry::contact;
@@ -186,10 +187,10 @@ impl<T: Scalar> SpaceCase<T> {
         draw.say("neighbors", (mask, distance));
         let found = self.space.neighbors(distance, mask).expect("few");
         let pairs = self.model.pairs(distance, mask);
-        for (row, id) in self.model.ids().iter().enumerate() {
-            let other = |pair: &[Id; 2]| pair.contains(id).then(|| pair[0] + pair[1] - id);
-            let mut expected: Vec<Id> = pairs.iter().filter_map(other).collect();
-            expected.sort_unstable();
+        let ids = self.model.ids();
+        for (row, id) in ids.iter().enumerate() {
+            let is_near = |other: &&Id| pairs.contains(&[*id.min(other), *id.max(other)]);
+            let expected: Vec<Id> = ids.iter().filter(is_near).copied().collect();
             assert_eq!(found.of(row), expected);
         }
     }
@@ -249,13 +250,16 @@ impl<T: Scalar> SpaceCase<T> {
         self.events = None;
     }
 
-    fn check(&self) {
+    fn check(&mut self) {
         self.space.check().expect("its invariants hold");
         let ids = self.model.ids();
         assert_eq!(self.space.ids().expect("there is memory"), ids);
+        let backwards: Vec<Id> = ids.iter().rev().copied().collect();
+        let rows = self.space.rows_of(&backwards).expect("they are there");
+        assert!(rows.into_iter().eq((0..ids.len() as i64).rev()));
         assert_eq!((self.space.len(), self.space.is_empty()), (ids.len(), ids.is_empty()));
         let shapes = self.space.read(&ids, |shape| shape).expect("they are there");
-        assert!(shapes.iter().eq(self.model.shapes.values()), "{shapes:?}");
+        assert!(shapes.iter().eq(ids.iter().map(|id| &self.model.shapes[id])), "{shapes:?}");
         assert!(!self.model.gone.iter().any(|id| self.space.contains(*id)));
     }
 }
