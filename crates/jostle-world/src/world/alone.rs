@@ -133,8 +133,9 @@ impl Protocol for Alone {
         // All wake or none.
         let woken = wake_driven(world, driven).and_then(|()| wake_changed(world, changed));
         match woken {
-            Ok(()) => forget_woken(world),
             Err(_) => cancel_waking(world),
+            Ok(()) if world.bodies.asleep.woken_rows().next().is_some() => forget_woken(world),
+            Ok(()) => {}
         }
         woken
     }

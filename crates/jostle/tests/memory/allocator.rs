@@ -39,6 +39,13 @@ pub fn refusing<R>(which: Refused, call: impl FnOnce() -> R) -> (R, usize) {
     (result, REFUSED.load(Relaxed))
 }
 
+/// How many large allocations a call makes.
+pub fn large_allocations(call: impl FnOnce()) -> usize {
+    GRANTED.store(NONE - 1, Relaxed);
+    call();
+    NONE - 1 - GRANTED.swap(NONE, Relaxed)
+}
+
 fn is_refused(size: usize) -> bool {
     if size < LARGE || IS_PRINTING.get() {
         return false;

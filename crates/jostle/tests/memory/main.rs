@@ -9,15 +9,15 @@
 mod allocator;
 mod worlds;
 
-use allocator::{Refused, Refusing, refusing};
+use allocator::{Refused, Refusing, large_allocations, refusing};
 use jostle_world::World;
 use worlds::{CALLS, Call, WORLDS, is_no_memory};
 
 #[global_allocator]
 static ALLOCATOR: Refusing = Refusing;
 
-/// Large allocations between two that are refused, of a step and of other calls. `--ignored` refuses each.
-const STRIDES: [usize; 2] = [17, 41];
+/// How many large allocations of a step, and of another call, are refused. `--ignored` refuses each.
+const TRIES: [usize; 2] = [7, 2];
 
 /// A world of its snapshot, with a number of threads.
 fn restored(bytes: &[u8], threads: usize) -> World {
@@ -38,19 +38,13 @@ fn threads_of_process() -> Option<usize> {
     std::fs::read_dir("/proc/self/task").ok().map(Iterator::count)
 }
 
-/// Refuses large allocations of a call, each in a new world: those with the numbers `first`, `first` + `stride` and so
-/// on. Returns how many.
-fn check(
-    name: &str,
-    bytes: &[u8],
-    (call_name, call): Call,
-    threads: usize,
-    stride: usize,
-) -> usize {
+/// Refuses about `tries` large allocations of a call, each in a new world. Returns how many.
+fn check(name: &str, bytes: &[u8], (call_name, call): Call, threads: usize, tries: usize) -> usize {
     let mut expected = restored(bytes, threads);
     let before = outcome(&expected);
-    call(&mut expected).unwrap();
+    let large = large_allocations(|| call(&mut expected).unwrap());
     let after = outcome(&expected);
+    let stride = large.div_ceil(tries).max(1);
     let (mut k, mut count) = (1, 0);
     loop {
         let which = if count % 4 == 3 { Refused::From(k) } else { Refused::One(k) };
@@ -90,11 +84,11 @@ fn main() {
         let bytes = world.snapshot().unwrap();
         let mut total = 0;
         for (at, call) in CALLS.into_iter().enumerate().filter(|(_, call)| is_chosen(1, call.0)) {
-            let stride = if is_long { 1 } else { STRIDES[usize::from(call.0 != "step")] };
+            let tries = if is_long { usize::MAX } else { TRIES[usize::from(call.0 != "step")] };
             for threads in [1, 2] {
                 // Both numbers of threads for steps, and one for other calls.
                 if is_long || call.0 == "step" || threads == 1 + (at + number) % 2 {
-                    total += check(name, &bytes, call, threads, stride);
+                    total += check(name, &bytes, call, threads, tries);
                 }
             }
         }

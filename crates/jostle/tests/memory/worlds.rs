@@ -7,7 +7,7 @@ use jostle_world::forces::Gravitation;
 use jostle_world::{Changes, Container, Influence, OnTouch, Particles, Wall, World, WorldSettings};
 
 /// Particles of each world. A column of bytes is large, and several threads are used.
-pub const LEN: usize = 20_000;
+pub const LEN: usize = 10_000;
 
 /// A name, and a function that makes the world with a number of steps before it is tested.
 pub type Made = (&'static str, fn() -> World, usize);
@@ -46,7 +46,7 @@ fn random_velocities(speed: f32) -> Vec<[f32; 2]> {
 /// Dust on a torus that attracts itself and merges.
 fn stars_on_torus() -> World {
     let dust = Particles::new(lattice(1.0), random_velocities(5.0), vec![0.4; LEN], 1.0);
-    let container = Container::Torus { size: [146.0; 2] };
+    let container = Container::Torus { size: [105.0; 2] };
     let settings = WorldSettings { container, on_touch: OnTouch::Merge, ..Default::default() };
     let mut world = World::new(dust, settings).unwrap();
     let pull = Gravitation { g: 0.01, softening: 0.5, theta: 0.7 };
@@ -73,7 +73,7 @@ fn tracked() -> World {
     let filter = |k: usize| Filter { category: 1 << (k % 3), mask: u32::MAX << (k % 2) };
     discs.filters_mut().iter_mut().enumerate().for_each(|(k, of)| *of = filter(k));
     discs.sensors_mut().iter_mut().step_by(50).for_each(|is_sensor| *is_sensor = true);
-    let container = Container::Box { min: [-1.0; 2], max: [160.0; 2] };
+    let container = Container::Box { min: [-1.0; 2], max: [115.0; 2] };
     let settings =
         WorldSettings { gravity: [0.0, -9.8], container, track_events: true, ..Default::default() };
     World::new(discs, settings).unwrap()
