@@ -76,6 +76,7 @@ class Documented(Validator):  # type: ignore[misc]
         original = getattr(name.thing, "__name__", own) if own.startswith("scenes.") else own
         self.declared = stub.get(original) if compiled else None
         self.is_property = isinstance(name.thing, (property, GetSetDescriptorType))
+        self.is_result = inspect.isclass(name.thing) and name.thing.__module__ == "jostle.results"
 
     @property
     def is_function_or_method(self) -> bool:
@@ -85,13 +86,14 @@ class Documented(Validator):  # type: ignore[misc]
     def signature_parameters(self) -> tuple[str, ...]:
         if self.declared is not None:
             return self.declared.parameters
+        if self.is_result:
+            return tuple(self.obj.__slots__)
         return () if self.is_property else tuple(super().signature_parameters)
 
     @property
     def doc_all_parameters(self) -> dict[str, Any]:
         # The fields of a named tuple or a result are its attributes and the arguments of its class.
-        names = {"_fields", "__slots__"} if inspect.isclass(self.obj) else set()
-        has_fields = any(hasattr(self.obj, name) for name in names)
+        has_fields = self.is_result or (inspect.isclass(self.obj) and hasattr(self.obj, "_fields"))
         sections = ["Attributes"] if has_fields else ["Parameters", "Other Parameters"]
         found: dict[str, Any] = self._doc_parameters(sections)
         return found

@@ -321,7 +321,7 @@ def hash_records(hash: int, records: bytes, part: int) -> int:
 def record_fields() -> list[tuple[str, str]]:
     """The fields of a record after the id, as NumPy writes them. For `jostle.mpi`."""
 
-def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events:
+def restore_events(entered: _Pairs, stayed: _Pairs, exited: _Pairs) -> Events:
     """Events with these pairs. For pickle."""
 
 def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space:

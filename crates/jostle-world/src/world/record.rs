@@ -126,11 +126,10 @@ impl Record {
         // = (B ∪ D) \ E. A pair that has touched in between is both in `entered` and in `left`.
         let during = self.sorted()?;
         let touched = union(&self.at_end, &during)?;
-        Ok(TouchEvents {
-            entered: split(&touched, &self.before)?.0,
-            stayed: split(&self.before, &self.at_end)?.1,
-            left: split(&union(&self.before, &touched)?, &self.at_end)?.0,
-        })
+        let [entered, _] = split(&touched, &self.before)?;
+        let [_, stayed] = split(&self.before, &self.at_end)?;
+        let [left, _] = split(&union(&self.before, &touched)?, &self.at_end)?;
+        Ok(TouchEvents { entered, stayed, left })
     }
 
     /// The pairs that touched in a step, sorted, without doubles.
@@ -277,7 +276,7 @@ fn union(a: &[[Id; 2]], b: &[[Id; 2]]) -> Result<Vec<[Id; 2]>> {
 }
 
 /// The pairs of a sorted list that are not in another, and those that are.
-fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> Result<(Vec<[Id; 2]>, Vec<[Id; 2]>)> {
+fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> Result<[Vec<[Id; 2]>; 2]> {
     // Both lists are sorted, so one pass over them is enough.
     let (mut rest, mut apart, mut common) = (other, Vec::new(), Vec::new());
     for pair in all {
@@ -289,5 +288,5 @@ fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> Result<(Vec<[Id; 2]>, Vec<[Id; 2
         let is_common = rest.first() == Some(pair);
         memory::push(if is_common { &mut common } else { &mut apart }, *pair)?;
     }
-    Ok((apart, common))
+    Ok([apart, common])
 }

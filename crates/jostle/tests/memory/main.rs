@@ -17,7 +17,7 @@ use worlds::{CALLS, Call, WORLDS, is_no_memory};
 static ALLOCATOR: Refusing = Refusing;
 
 /// How many large allocations of a step, and of another call, are refused. `--ignored` refuses each.
-const TRIES: [usize; 2] = [7, 2];
+const TRIES: [usize; 2] = [5, 2];
 
 /// A world of its snapshot, with a number of threads.
 fn restored(bytes: &[u8], threads: usize) -> World {

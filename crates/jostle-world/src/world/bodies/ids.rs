@@ -145,7 +145,7 @@ impl Bodies {
         if rows.is_sorted_by(|a, b| a < b) {
             return Ok(rows);
         }
-        let mut sorted = memory::collect(rows.iter().zip(0..rows.len()))?;
+        let mut sorted = memory::collect((0..rows.len()).map(|index| (rows[index], index)))?;
         sorted.sort_unstable();
         let twice = sorted.windows(2).filter(|two| two[0].0 == two[1].0);
         match twice.map(|two| two[1].1).min() {
