@@ -221,7 +221,7 @@ for mebibytes in (2, 3, 4, 6, 8, 12, 16, 24):
 world.step(1 / 60)
 other.step(1 / 60)
 assert world.state_hash() == other.state_hash()
-print(refused > 7)
+print(refused > 0)
 """
     )
     assert printed == "True\n"

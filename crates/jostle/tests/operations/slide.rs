@@ -256,7 +256,8 @@ impl SlideCase {
             space.read(&ids, |shape| shape).expect("they are there")
         });
         assert_eq!(kept, other);
-        for (shape, new) in self.model.shapes.values_mut().zip(kept) {
+        for (id, new) in ids.iter().zip(kept) {
+            let shape = self.model.shapes.get_mut(id).expect("it is there");
             let same = (shape.core_half_size(), shape.radius, shape.category, shape.mask);
             assert_eq!((new.core_half_size(), new.radius, new.category, new.mask), same);
             *shape = new;
