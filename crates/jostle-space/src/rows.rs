@@ -9,8 +9,11 @@ use jostle_index::geometry::Scalar;
 /// The row of a slot without a shape.
 const NONE: u32 = u32::MAX;
 
-/// The ids of shapes in the order of adding. Ids of removed shapes stay until the next reading, which then visits
-/// all ids once; so many removals in turn cost no more than one.
+/// So few ids of removed shapes may stay whatever the number of shapes.
+const FEW: usize = 64;
+
+/// The ids of shapes in the order of adding. Ids of removed shapes stay until the next reading, or until they are more
+/// than half of all; then all ids are visited once, so many removals in turn cost no more than one.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rows {
     ids: Vec<Id>,
@@ -27,7 +30,11 @@ impl Rows {
     }
 
     /// Reserves memory for `more` shapes.
-    pub(super) fn reserve(&mut self, more: usize) -> Result<()> {
+    pub(super) fn reserve<T: Scalar>(&mut self, more: usize, slots: &Slots<T>) -> Result<()> {
+        // Without this a program that adds and removes shapes, and never reads a column, would keep all ids.
+        if self.ids.len() > 2 * slots.len() + FEW {
+            self.ids(slots);
+        }
         memory::reserve(&mut self.ids, more)
     }
 

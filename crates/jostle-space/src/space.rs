@@ -161,7 +161,7 @@ impl<T: Scalar> Space<T> {
         self.slots.check_room(shapes.len())?;
         // All memory is reserved first, so that a failure changes nothing.
         self.slots.reserve(shapes)?;
-        self.rows.reserve(shapes.len())?;
+        self.rows.reserve(shapes.len(), &self.slots)?;
         self.reserve_changes(shapes.len())?;
         let count = self.slots.count() + shapes.len();
         // Everything that has an entry for each slot grows together, before the first shape is
