@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from mpi4py import MPI
 from mpi_worlds import Distribution, comm, evenly, scattered
-from results import fields
 
 import jostle
 import jostle.mpi
@@ -51,7 +50,7 @@ def expected_of(name: str, world: jostle.World, dt: float, steps: int) -> Expect
 
 def expected_now(world: jostle.World, hashes: list[int]) -> Expected:
     """What distributed worlds must have at this time."""
-    contacts = {kind: table_of(fields(getattr(world, kind))) for kind in CONTACTS}
+    contacts = {kind: table_of(list(getattr(world, kind).to_dict().values())) for kind in CONTACTS}
     return Expected(hashes, contacts, world.collisions, world.kinetic_energy)
 
 
@@ -98,7 +97,7 @@ def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None
     """The contacts of all ranks together are those of one process. Sums of the impulses of several
     bounces of a pair in a step may be rounded differently."""
     for kind in CONTACTS:
-        of_ranks = zip(*comm().allgather(fields(getattr(ours, kind))), strict=True)
+        of_ranks = zip(*comm().allgather(list(getattr(ours, kind).to_dict().values())), strict=True)
         found = table_of([np.concatenate(column) for column in of_ranks])
         one = expected.contacts[kind]
         assert found.shape == one.shape, f"{name}: {kind}"
@@ -111,9 +110,10 @@ def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None
 def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:
     """The events of all ranks together are those of one process; returns how many these are."""
     found = [
-        np.concatenate(parts) for parts in zip(*comm().allgather(fields(ours.events)), strict=True)
+        np.concatenate(parts)
+        for parts in zip(*comm().allgather(list(ours.events.to_dict().values())), strict=True)
     ]
-    for pairs, expected in zip(found, fields(world.events), strict=True):
+    for pairs, expected in zip(found, list(world.events.to_dict().values()), strict=True):
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         assert np.array_equal(pairs, expected), f"{name} at {world.time}"
     return sum(map(len, found))
