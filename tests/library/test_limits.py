@@ -186,7 +186,9 @@ print("fine")
 def test_worlds_stay_as_they_were_without_memory(scene: str) -> None:
     printed = run_child(
         f"""
+import ctypes
 from signals import lift_limit, limit_memory
+libc = ctypes.CDLL(None)
 world = jostle.scenes.create("{scene}", n=100_000, seed=1)
 other = jostle.World.restore(world.snapshot())
 world.step(1 / 60)
@@ -203,8 +205,10 @@ calls = [
     lambda: jostle.scenes.create("{scene}", n=100_000),
 ]
 refused = 0
-for mebibytes in (2, 3, 4, 6, 8, 12, 16, 24):
+for mebibytes in (1, 1, 2, 3, 4, 6, 8, 12, 16, 24):
     for call in calls:
+        if hasattr(libc, "malloc_trim"):  # else memory that was freed serves most calls
+            libc.malloc_trim(0)
         limit_memory(mebibytes << 20)
         try:
             made = call()
@@ -221,7 +225,7 @@ for mebibytes in (2, 3, 4, 6, 8, 12, 16, 24):
 world.step(1 / 60)
 other.step(1 / 60)
 assert world.state_hash() == other.state_hash()
-print(refused > 0)
+print(refused > 7)
 """
     )
     assert printed == "True\n"
