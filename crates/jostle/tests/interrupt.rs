@@ -178,7 +178,9 @@ fn forces_between_all_particles_and_neighbours_poll_often() {
         min_speed: 0.0,
     };
     for force in [gravitation, Influence::Flocking(flocking)] {
-        let settings = WorldSettings { on_touch: OnTouch::Ignore, ..Default::default() };
+        // One thread: only the caller's polls, and how many tasks it gets of several varies.
+        let settings =
+            WorldSettings { on_touch: OnTouch::Ignore, tree: alone(), ..Default::default() };
         let mut world = world_of(all.clone(), settings);
         let without = polls(|| world.step(0.01, 1).unwrap());
         world.set_forces(vec![force]).unwrap();
