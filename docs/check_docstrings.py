@@ -22,6 +22,8 @@ from typing import Any, NamedTuple
 from numpydoc.docscrape import get_doc_object
 from numpydoc.validate import ERROR_MSGS, Validator, validate
 
+from jostle.results.base import Result
+
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
 ROOT = Path(__file__).parents[1]
@@ -76,7 +78,7 @@ class Documented(Validator):  # type: ignore[misc]
         original = getattr(name.thing, "__name__", own) if own.startswith("scenes.") else own
         self.declared = stub.get(original) if compiled else None
         self.is_property = isinstance(name.thing, (property, GetSetDescriptorType))
-        self.is_result = inspect.isclass(name.thing) and name.thing.__module__ == "jostle.results"
+        self.is_result = inspect.isclass(name.thing) and issubclass(name.thing, Result)
 
     @property
     def is_function_or_method(self) -> bool:

@@ -1,0 +1,48 @@
+"""Results that consist of several arrays or numbers."""
+
+from jostle.results.queries import (
+    Contacts,
+    IdLists,
+    Neighbors,
+    Nodes,
+    RayHit,
+    RayHitLists,
+    RayHits,
+    Stats,
+)
+from jostle.results.scenes import GaltonBoard, Nozzle
+from jostle.results.spaces import Separated, Shape, Shapes, Slide, Slides
+from jostle.results.worlds import (
+    Particle,
+    Particles,
+    WallContacts,
+    WorldCollisions,
+    WorldContacts,
+    WorldEvents,
+    WorldStats,
+)
+
+__all__ = [
+    "Contacts",
+    "GaltonBoard",
+    "IdLists",
+    "Neighbors",
+    "Nodes",
+    "Nozzle",
+    "Particle",
+    "Particles",
+    "RayHit",
+    "RayHitLists",
+    "RayHits",
+    "Separated",
+    "Shape",
+    "Shapes",
+    "Slide",
+    "Slides",
+    "Stats",
+    "WallContacts",
+    "WorldCollisions",
+    "WorldContacts",
+    "WorldEvents",
+    "WorldStats",
+]

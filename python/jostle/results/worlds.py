@@ -1,0 +1,285 @@
+"""What a world says about its last step, and copies of its particles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jostle.results.base import Result
+
+
+class WorldContacts(Result):
+    """Pairs of particles that touched during the last step of a `World`.
+
+    Attributes
+    ----------
+    pairs : ndarray of int64, shape (m, 2)
+        Ids i < j.
+    normals : ndarray of float32, shape (m, 2)
+        Unit vectors from i to j, at the end of the step.
+    depths : ndarray of float32, shape (m,)
+        Penetration along the normal at the end of the step, in units of length; negative for
+        pairs that had separated.
+    normal_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of the step on j along the normal, at least 0; on i they have the
+        opposite sign.
+    friction_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of friction on j along the tangent (-normal_y, normal_x).
+
+    See Also
+    --------
+    jostle.World.contacts : Returns it.
+    WallContacts : Contacts with walls.
+
+    Examples
+    --------
+    >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+    >>> world.step(2.0)  # the left disc stops and the right one takes its velocity
+    >>> world.contacts.pairs, world.contacts.normal_impulses
+    (array([[0, 1]]), array([1.], dtype=float32))
+    """
+
+    __slots__ = ("pairs", "normals", "depths", "normal_impulses", "friction_impulses")
+
+    pairs: NDArray[np.int64]
+    normals: NDArray[np.float32]
+    depths: NDArray[np.float32]
+    normal_impulses: NDArray[np.float32]
+    friction_impulses: NDArray[np.float32]
+
+
+class WallContacts(Result):
+    """Particles to which walls gave an impulse during the last step of a `World`.
+
+    The impulses leave out what a `Thermostat` adds, and what `ThermalWalls` add along the wall.
+
+    Attributes
+    ----------
+    ids : ndarray of int64, shape (m,)
+        Ids of the particles, ascending.
+    walls : ndarray of int64, shape (m,)
+        0 to 3: the walls of a `Box` at min_x, max_x, min_y and max_y; 0 for a `Circle`;
+        4 + k: wall k of `World.walls`, at a shared end the first of those that have it.
+    normals : ndarray of float32, shape (m, 2)
+        Unit vectors from the wall to the particle, at the end of the step.
+    depths : ndarray of float32, shape (m,)
+        Penetration at the end of the step, in units of length; negative for particles that
+        have left the wall.
+    normal_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of the step on the particle along the normal, above 0.
+    friction_impulses : ndarray of float32, shape (m,)
+        Sum of the impulses of friction on the particle along the tangent
+        (-normal_y, normal_x).
+
+    See Also
+    --------
+    jostle.World.wall_contacts : Returns it.
+    WorldContacts : Contacts of two particles.
+
+    Examples
+    --------
+    A disc of mass 1 that lies on the floor, y = 0:
+
+    >>> box = jostle.Box(-9, 0, 9, 9)
+    >>> world = jostle.World(
+    ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
+    ... )
+    >>> world.step(0.01)
+    >>> float((world.wall_contacts.normal_impulses / 0.01).round(3)[0])  # the mean force
+    10.0
+    """
+
+    __slots__ = ("ids", "walls", "normals", "depths", "normal_impulses", "friction_impulses")
+
+    ids: NDArray[np.int64]
+    walls: NDArray[np.int64]
+    normals: NDArray[np.float32]
+    depths: NDArray[np.float32]
+    normal_impulses: NDArray[np.float32]
+    friction_impulses: NDArray[np.float32]
+
+
+class WorldEvents(Result):
+    """Pairs that began and ceased to touch in the last call of `World.step`.
+
+    Each array has pairs of ids i < j, sorted.
+
+    Attributes
+    ----------
+    entered : ndarray of int64, shape (m, 2)
+        Pairs that did not touch at the end of the call before, and touched in this one.
+    stayed : ndarray of int64, shape (m, 2)
+        Pairs that touched at the ends of both calls.
+    exited : ndarray of int64, shape (m, 2)
+        Pairs that touched at the end of the call before or in this one, and not at its end.
+
+    See Also
+    --------
+    jostle.World.events : Returns it.
+    jostle.Events : The same for the shapes of a `Space`.
+    """
+
+    __slots__ = ("entered", "stayed", "exited")
+
+    entered: NDArray[np.int64]
+    stayed: NDArray[np.int64]
+    exited: NDArray[np.int64]
+
+
+class WorldCollisions(Result):
+    """Numbers of collisions in the last call of `World.step`.
+
+    Attributes
+    ----------
+    pairs : int
+        Collisions of two particles.
+    walls : int
+        Collisions of a particle with a wall or the container.
+
+    See Also
+    --------
+    jostle.World.collisions : Returns it.
+    """
+
+    __slots__ = ("pairs", "walls")
+
+    pairs: int
+    walls: int
+
+
+class WorldStats(Result):
+    """Size of the quadtree of the last step of a `World`, and what the step did.
+
+    Attributes
+    ----------
+    nodes : int
+        Boxes.
+    leaves : int
+        Boxes that did not split.
+    depth : int
+        Subdivisions above the deepest box.
+    tests : int
+        Pairs of particles that were tested.
+    unresolved : int
+        Particles that had so many collisions in a part of the step that they stayed with what
+        pressed them until its end.
+    substeps : int
+        Sub-steps of the step; 0 before the first step and where all particles sleep.
+    collapsed : int
+        Times that the collisions of a particle became elastic for the rest of a part of the step,
+        because it had 64 collisions in it (inelastic collapse).
+
+    See Also
+    --------
+    jostle.World.stats : Returns it.
+    """
+
+    __slots__ = ("nodes", "leaves", "depth", "tests", "unresolved", "substeps", "collapsed")
+
+    nodes: int
+    leaves: int
+    depth: int
+    tests: int
+    unresolved: int
+    substeps: int
+    collapsed: int
+
+
+class Particles(Result):
+    """Some particles of a `World`, by the names of the arguments of `World.add` and `World.set`.
+
+    Attributes
+    ----------
+    positions, velocities : ndarray of float32, shape (k, 2)
+        Centres in units of length, and velocities in units of length per second.
+    radii, masses, restitutions : ndarray of float32, shape (k,)
+        Radii in units of length, masses, and coefficients of restitution.
+    movable : ndarray of bool, shape (k,)
+        Whether contacts and forces can change the velocity.
+    friction, angles, angular_velocities : ndarray of float32, shape (k,)
+        Coefficients of friction; radians, -π to π without π, and radians per second.
+    categories, masks : ndarray of uint32, shape (k,)
+        Bit sets of 32 bits.
+    sensors : ndarray of bool, shape (k,)
+        Whether the particle is a sensor.
+    kinds : ndarray of uint8, shape (k,)
+        Kinds in each `PairForce` of the world.
+
+    See Also
+    --------
+    jostle.World.read : Returns it.
+    Particle : The same of one particle.
+    """
+
+    __slots__ = (
+        "positions",
+        "velocities",
+        "radii",
+        "masses",
+        "restitutions",
+        "movable",
+        "friction",
+        "angles",
+        "angular_velocities",
+        "categories",
+        "masks",
+        "sensors",
+        "kinds",
+    )
+
+    positions: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    radii: NDArray[np.float32]
+    masses: NDArray[np.float32]
+    restitutions: NDArray[np.float32]
+    movable: NDArray[np.bool_]
+    friction: NDArray[np.float32]
+    angles: NDArray[np.float32]
+    angular_velocities: NDArray[np.float32]
+    categories: NDArray[np.uint32]
+    masks: NDArray[np.uint32]
+    sensors: NDArray[np.bool_]
+    kinds: NDArray[np.uint8]
+
+
+class Particle(Result):
+    """One particle of a `World`, by the names of the arguments of `World.add` and `World.set`.
+
+    Attributes
+    ----------
+    positions, velocities : ndarray of float32, shape (2,)
+        Centres in units of length, and velocities in units of length per second.
+    radii, masses, restitutions : float
+        Radii in units of length, masses, and coefficients of restitution.
+    movable : bool
+        Whether contacts and forces can change the velocity.
+    friction, angles, angular_velocities : float
+        Coefficients of friction; radians, -π to π without π, and radians per second.
+    categories, masks : int
+        Bit sets of 32 bits.
+    sensors : bool
+        Whether the particle is a sensor.
+    kinds : int
+        Kind in each `PairForce` of the world.
+
+    See Also
+    --------
+    jostle.World.read : Returns it.
+    Particles : The same of many particles.
+    """
+
+    __slots__ = Particles.__slots__
+
+    positions: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    radii: float
+    masses: float
+    restitutions: float
+    movable: bool
+    friction: float
+    angles: float
+    angular_velocities: float
+    categories: int
+    masks: int
+    sensors: bool
+    kinds: int
