@@ -4,7 +4,7 @@ Each function takes one query and returns for all shapes whether they are found,
 distances, in the dtype of the shapes.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,33 @@ def into_range(largest: NDArray[Any]) -> NDArray[Any]:
     return factor.astype(largest.dtype)
 
 
-def halves(shapes: Shapes) -> NDArray[Any]:
-    """Half sizes, 0 for circles."""
-    return np.zeros_like(shapes.centers) if shapes.half_sizes is None else shapes.half_sizes
+class Cores(NamedTuple):
+    """Cores of shapes: boxes from `low` to `high`, larger by `half` on each side; and radii."""
+
+    low: NDArray[Any]
+    high: NDArray[Any]
+    half: NDArray[Any]
+    radii: NDArray[Any]
+
+    def are_points(self) -> NDArray[np.bool_]:
+        """Whether each shape is a circle."""
+        return ((self.low == self.high) & (self.half == 0)).all(axis=1)
+
+
+def cores_of(shapes: Shapes) -> Cores:
+    """The cores of shapes with centres and half sizes."""
+    half = np.zeros_like(shapes.centers) if shapes.half_sizes is None else shapes.half_sizes
+    return Cores(shapes.centers, shapes.centers, half, shapes.radii)
+
+
+def cores_of_boxes(boxes: NDArray[Any], radii: NDArray[Any]) -> Cores:
+    """The cores of shapes that are given as boxes."""
+    return Cores(boxes[:, :2], boxes[:, 2:], np.zeros_like(boxes[:, :2]), radii)
+
+
+def gaps(cores: Cores, low: NDArray[Any], high: NDArray[Any]) -> NDArray[Any]:
+    """The gap of each core to a rectangle along each axis; negative if they overlap."""
+    return np.maximum(low - cores.high, cores.low - high) - cores.half
 
 
 def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
@@ -35,17 +59,16 @@ def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
     return near | (gap < 0).all(axis=1)
 
 
-def in_rect(shapes: Shapes, rect: NDArray[Any]) -> NDArray[np.bool_]:
+def in_rect(cores: Cores, rect: NDArray[Any]) -> NDArray[np.bool_]:
     """Whether each shape overlaps a rectangle."""
     with np.errstate(**QUIET):
-        gap = np.maximum(rect[:2] - shapes.centers, shapes.centers - rect[2:]) - halves(shapes)
-        return open_overlap(gap, shapes.radii)
+        return open_overlap(gaps(cores, rect[:2], rect[2:]), cores.radii)
 
 
-def in_circle(shapes: Shapes, center: NDArray[Any], radius: Any) -> NDArray[np.bool_]:
+def in_circle(cores: Cores, center: NDArray[Any], radius: Any) -> NDArray[np.bool_]:
     """Whether each shape overlaps a disc."""
     with np.errstate(**QUIET):
-        return open_overlap(np.abs(shapes.centers - center) - halves(shapes), shapes.radii + radius)
+        return open_overlap(gaps(cores, center, center), cores.radii + radius)
 
 
 def _within(outside: NDArray[Any], radii: NDArray[Any]) -> NDArray[np.bool_]:
@@ -53,54 +76,48 @@ def _within(outside: NDArray[Any], radii: NDArray[Any]) -> NDArray[np.bool_]:
     return np.where(radii == 0, outside.max(axis=1, initial=0) == 0, squares)
 
 
-def at_point(shapes: Shapes, point: NDArray[Any]) -> NDArray[np.bool_]:
+def at_point(cores: Cores, point: NDArray[Any]) -> NDArray[np.bool_]:
     """Whether a point is in each shape; rectangles are open on the right and below."""
-    half = halves(shapes)
+    low, high, half, radii = cores
     with np.errstate(**QUIET):
-        offset = point - shapes.centers
-        outside = np.maximum(np.abs(offset) - half, 0)
-        closed = _within(outside, shapes.radii)
-        half_open = ((offset >= -half) & (offset < half)).all(axis=1)
-    rectangle = (shapes.radii == 0) & (half > 0).any(axis=1)
-    return np.where(rectangle, half_open, closed)
+        closed = _within(np.maximum(gaps(cores, point, point), 0), radii)
+        half_open = ((point - low >= -half) & (point - high < half)).all(axis=1)
+    return np.where((radii == 0) & ~cores.are_points(), half_open, closed)
 
 
-def distance(shapes: Shapes, point: NDArray[Any]) -> NDArray[Any]:
+def distance(cores: Cores, point: NDArray[Any]) -> NDArray[Any]:
     """Return the distance of a point from the surface of each shape; 0 inside."""
     with np.errstate(**QUIET):
-        outside = np.maximum(np.abs(shapes.centers - point) - halves(shapes), 0)
+        outside = np.maximum(gaps(cores, point, point), 0)
         into = into_range(outside.max(axis=1, initial=0))
         x, y = outside[:, 0] * into, outside[:, 1] * into
-        return np.maximum(np.sqrt(x**2 + y**2) * (1 / into) - shapes.radii, 0)
+        return np.maximum(np.sqrt(x**2 + y**2) * (1 / into) - cores.radii, 0)
 
 
 def along_ray(
-    shapes: Shapes, origin: NDArray[Any], direction: NDArray[Any], radius: Any
+    cores: Cores, origin: NDArray[Any], direction: NDArray[Any], radius: Any
 ) -> NDArray[Any]:
     """Return the distance along a ray to each shape, enlarged by a radius; infinity for a miss."""
-    dtype = shapes.centers.dtype
-    half, nothing = halves(shapes), dtype.type(0)
     with np.errstate(**QUIET):
         scaled = direction / np.abs(direction).max()
         u = scaled / np.sqrt(scaled[0] ** 2 + scaled[1] ** 2)
-        m = origin - shapes.centers
-        reach = shapes.radii + radius
-        inside = _within(np.maximum(np.abs(m) - half, 0), reach)
-        largest = np.maximum(np.abs(m).max(axis=1, initial=0), half.max(axis=1, initial=0))
-        into = into_range(np.maximum(largest, reach))
-        half, reach = half * into[:, None], reach * into
-        m = origin * into[:, None] - shapes.centers * into[:, None]
+        reach = cores.radii + radius
+        inside = _within(np.maximum(gaps(cores, origin, origin), 0), reach)
+        columns = (origin - cores.low, origin - cores.high, cores.half, reach[:, None])
+        into = into_range(np.abs(np.hstack(columns)).max(axis=1, initial=0))[:, None]
+        low, high = (origin * into - side * into for side in (cores.low, cores.high))
+        half, reach = cores.half * into, (reach[:, None] * into)[:, 0]
+        nothing = np.zeros_like(reach)
         ways = [
-            to_box(m, m, u, half + np.stack([reach, np.zeros_like(reach)], axis=1)),
-            to_box(m, m, u, half + np.stack([np.zeros_like(reach), reach], axis=1)),
+            to_box(low, high, u, half + np.stack(grown, axis=1))
+            for grown in ([reach, nothing], [nothing, reach])
         ]
-        corners = [(-1, -1), (1, -1), (-1, 1), (1, 1)]
-        ways += [to_circle(m - half * np.array(c, dtype), u, reach) for c in corners]
-        rounded = np.minimum.reduce(ways)
-        circle = (half == 0).all(axis=1)
-        far = np.where(circle, to_circle(m, u, reach), rounded)
-        far = np.where(~circle & (reach == 0), to_box(m, m, u, half), far)
-        return np.where(inside, nothing, far * (1 / into))
+        first, last = low + half, high - half
+        for x in (first[:, 0], last[:, 0]):
+            ways += [to_circle(np.stack([x, y], 1), u, reach) for y in (first[:, 1], last[:, 1])]
+        far = np.where(reach == 0, to_box(low, high, u, half), np.minimum.reduce(ways))
+        far = np.where(cores.are_points(), to_circle(low, u, reach), far)
+        return np.where(inside, cores.radii.dtype.type(0), far * (1 / into[:, 0]))
 
 
 def to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArray[Any]:

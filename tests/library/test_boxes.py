@@ -5,11 +5,11 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
+import oracle_queries as oracle
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from oracle_queries import open_overlap, to_box, to_circle
 from results import fields
 
 import jostle
@@ -63,36 +63,6 @@ def overlap(a: Shape, b: Shape) -> bool:
     gaps = [max(a.low[k] - b.high[k], b.low[k] - a.high[k]) for k in (0, 1)]
     squares = sum(max(gap, Fraction(0)) ** 2 for gap in gaps)
     return squares < (a.radius + b.radius) ** 2 or max(gaps) < 0
-
-
-def gaps(boxes: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[Any]:
-    """Return the gap of each box to low and high along each axis; negative if they overlap."""
-    return np.maximum(boxes[:, :2] - high, low - boxes[:, 2:])
-
-
-def along_ray(
-    boxes: NDArray[Any], radii: NDArray[Any], origin: Any, direction: Any, radius: Any
-) -> NDArray[Any]:
-    """Return the distance along a ray to each box, enlarged by its radius and that of a disc."""
-    scaled = direction / np.abs(direction).max()
-    u = scaled / np.sqrt(scaled[0] ** 2 + scaled[1] ** 2)
-    reach = radii + radius
-    low, high = origin - boxes[:, :2], origin - boxes[:, 2:]
-    outside = np.maximum(np.maximum(-low, high), 0)
-    inside = outside[:, 0] ** 2 + outside[:, 1] ** 2 <= reach**2
-    nothing = np.zeros_like(reach)
-    ways = [
-        to_box(low, high, u, np.stack(grown, axis=1))
-        for grown in ([reach, nothing], [nothing, reach])
-    ]
-    for x in (low[:, 0], high[:, 0]):
-        ways += [to_circle(np.stack([x, y], 1), u, reach) for y in (low[:, 1], high[:, 1])]
-    rounded = np.minimum.reduce(ways)
-    plain = to_box(low, high, u, np.zeros_like(low))
-    point = (boxes[:, :2] == boxes[:, 2:]).all(axis=1)
-    far = np.where((reach == 0) & ~point, plain, rounded)
-    far = np.where(point, to_circle(low, u, reach), far)
-    return np.where(inside, 0, far).astype(boxes.dtype)
 
 
 _borders = st.integers(-8, 8).map(float)
@@ -235,7 +205,7 @@ def test_trees_of_boxes_hold_their_invariants_at_any_size(dtype: Any) -> None:
     assert (mixed.nodes().boxes == tree.nodes().boxes).all()
 
 
-# The formulas below would lose numbers whose squares underflow; `test_ranges.py` tests those.
+# The formulas would lose numbers whose squares underflow; `test_ranges.py` tests those.
 _decimals = st.floats(-10, 10, width=32).map(lambda x: x if abs(x) > 1e-12 else 0.0)
 _near = st.one_of(_borders, st.integers(-9, 9).map(lambda k: k * 0.1), _decimals)
 _small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.0078125, 5, width=32))
@@ -255,33 +225,22 @@ def test_queries_are_those_of_min_and_max(
             index.add(boxes=rows, radii=radii)
         else:
             index = jostle.Quadtree(boxes=rows, radii=radii, leaf_capacity=2)
+        cores = oracle.cores_of_boxes(rows, radii)
         rect = np.concatenate([point, point + size])
-        in_rect = open_overlap(gaps(rows, rect[:2], rect[2:]), radii)
+        in_rect = oracle.in_rect(cores, rect)
         assert index.query_rect(rect).tolist() == np.flatnonzero(in_rect).tolist()
-
-        gap = gaps(rows, point, point)
-        in_circle = open_overlap(gap, radii + r)
+        in_circle = oracle.in_circle(cores, point, r)
         assert index.query_circle(point, r).tolist() == np.flatnonzero(in_circle).tolist()
-
-        outside = np.maximum(gap, 0)
-        squares = outside[:, 0] ** 2 + outside[:, 1] ** 2
-        half_open = ((point >= rows[:, :2]) & (point < rows[:, 2:])).all(axis=1)
-        flat = (rows[:, :2] == rows[:, 2:]).all(axis=1)
-        within = np.where((radii > 0) | flat, squares <= radii**2, half_open)
-        assert index.query_point(point).tolist() == np.flatnonzero(within).tolist()
-
-        distances = np.maximum(np.sqrt(squares) - radii, 0)
-        order = np.lexsort((np.arange(len(rows)), distances))[:5]
+        at_point = oracle.at_point(cores, point)
+        assert index.query_point(point).tolist() == np.flatnonzero(at_point).tolist()
         near = index.nearest(point, 5)
-        assert near.ids[: len(order)].tolist() == order.tolist()
-        assert near.distances[: len(order)].tolist() == distances[order].tolist()
-
+        far, ids = oracle.k_nearest(oracle.distance(cores, point), 5, np.inf)
+        assert (near.ids.tolist(), near.distances.tolist()) == (ids.tolist(), far.tolist())
         direction = np.array((size[0] - 2, size[1] - dtype.type(1.5)), dtype)
         if not direction.any():
             continue
         for thrown in (dtype.type(0), r):
-            with np.errstate(all="ignore"):
-                hits = along_ray(rows, radii, point, direction, thrown)
+            hits = oracle.along_ray(cores, point, direction, thrown)
             hit = index.shape_cast(point, direction, radii=thrown)
             if len(rows) and np.isfinite(hits).any():
                 assert (hit.id, hit.distance) == (int(np.argmin(hits)), hits.min())
@@ -374,8 +333,9 @@ def test_a_rect_among_rows_is_read_by_its_sides_too() -> None:
     space = jostle.Space()
     space.add(boxes=rows)
     assert space.boxes.tolist() == [[0, 0, 2, 2], [1, 1, 2, 2], [5, 5, 7, 7]]
-    hits = jostle.Quadtree(boxes=rows).query_rect(rows)
-    assert [ids.tolist() for ids in hits] == [[0, 1], [0, 1], [2]]
+    tree = jostle.Quadtree(boxes=rows)
+    assert [ids.tolist() for ids in tree.query_rect(rows)] == [[0, 1], [0, 1], [2]]
+    assert tree.query_rect(rows[1]).tolist() == [0, 1]  # (1, 1, 1, 1) would be a point
 
 
 @pytest.mark.parametrize("dtype", DTYPES)

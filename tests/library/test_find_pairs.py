@@ -193,6 +193,7 @@ WRONG_VALUES = [
     ({"positions": 1.5}, "positions has shape (); it must be (n, 2)"),
     ({"positions": np.zeros((2, 2, 2))}, "positions has shape (2, 2, 2); it must be (n, 2)"),
     ({"positions": np.zeros((0, 3))}, "positions has shape (0, 3); it must be (n, 2)"),
+    ({"positions": [(0, 0), (np.nan, 1)]}, "positions[1] is (NaN, 1); both coordinates must be"),
     ({"positions": [(1, 2), (3,)]}, "positions cannot be read as an array: "),
     ({"radii": [1, 2, 3]}, "radii has shape (3,); it must be a number or (2,)"),
     ({"radii": [[1], [2]]}, "radii has shape (2, 1); it must be a number or (2,)"),
@@ -223,7 +224,7 @@ WRONG_TYPES = [
     ({"positions": [("0", "1")]}, "positions must hold real numbers, not <U1"),
     ({"positions": [(True, False)]}, "positions must hold real numbers, not bool"),
     ({"positions": [(1j, 0)]}, "positions must hold real numbers, not complex128"),
-    ({"positions": [(None, 0)]}, "positions must hold real numbers, not object"),
+    ({"positions": [(0, 0), (None, 1)]}, "positions must hold real numbers, not object"),
     (
         {"positions": np.zeros((2, 2), "M8[s]")},
         "positions must hold real numbers, not datetime64[s]",
@@ -248,9 +249,12 @@ WRONG_TYPES = [
     [(ValueError, *case) for case in WRONG_VALUES] + [(TypeError, *case) for case in WRONG_TYPES],
 )
 def test_wrong_arguments(error: Any, arguments: dict[str, Any], message: str) -> None:
+    """A tree refuses the same arguments."""
     end = "$" if error is TypeError else ""
-    with pytest.raises(error, match=f"^{re.escape(message)}{end}"):
-        jostle.find_pairs(**{"positions": TWO, **arguments})
+    is_for_trees = arguments.keys() <= inspect.signature(jostle.Quadtree).parameters.keys()
+    for call in (jostle.find_pairs, *[jostle.Quadtree] * is_for_trees):
+        with pytest.raises(error, match=f"^{re.escape(message)}{end}"):
+            call(**{"positions": TWO, **arguments})
 
 
 @given(

@@ -245,24 +245,17 @@ def test_the_highest_bit_can_be_left_out_and_all_can() -> None:
     assert collection.masks.tolist() == [0x7FFFFFFF, 0, 0xFFFFFFFF]
 
 
+@pytest.mark.parametrize("name", ["categories", "masks"])
 @pytest.mark.parametrize("bits", [2**32, -(2**32) - 1, 2**64, -(2**63)])
-def test_more_than_32_bits_are_refused(bits: int) -> None:
+def test_more_than_32_bits_are_refused(bits: int, name: str) -> None:
     rule = "it must be a set of 32 bits: between 0 and 4294967295, or a negative integer from"
-    with pytest.raises(ValueError, match=f"^masks is {bits}; {rule}"):
-        jostle.Quadtree(POINTS, masks=bits)
+    with pytest.raises(ValueError, match=f"^{name} is {bits}; {rule}"):
+        jostle.Quadtree(POINTS, **{name: bits})
     with pytest.raises(ValueError, match=f"^mask is {bits}; {rule}"):
         TREE.query_point((0, 0), mask=bits)
     if abs(bits) < 2**63:
-        with pytest.raises(ValueError, match=rf"^masks\[1\] is {bits}; {rule}"):
-            jostle.Quadtree(POINTS, masks=[1, bits, 1])
-
-
-def test_ids_are_no_bit_sets() -> None:
-    world = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
-    with pytest.raises(ValueError, match=r"^ids\[1\] is -1; no particle has this id"):
-        world.remove([0, -1])
-    with pytest.raises(ValueError, match=r"^pairs\[1\] is -2; it must be the id of a particle"):
-        jostle.Springs([(0, 1), (2, -2)], lengths=1.0, stiffness=1.0)
+        with pytest.raises(ValueError, match=rf"^{name}\[1\] is {bits}; {rule}"):
+            jostle.Quadtree(POINTS, **{name: [1, bits, 1]})
 
 
 def test_every_id_is_an_int64() -> None:
