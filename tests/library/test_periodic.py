@@ -302,16 +302,11 @@ def test_casts_of_any_size_are_those_of_all_images(
     ways[:8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1e-9), (1e-9, 1), (1, 1), (-1, 1)]
     thin = rng.choice([0.0, 0.001, 1.0], (count, 2)) * reach
     for index in (tree, space):
-        for found, wide in (
-            (
-                index.shape_cast(origins, ways, radii=reach, max_distance=longest),
-                copies.shape_cast(origins, ways, radii=reach, max_distance=longest),
-            ),
-            (
-                index.shape_cast(origins, ways, half_sizes=thin, max_distance=longest),
-                copies.shape_cast(origins, ways, half_sizes=thin, max_distance=longest),
-            ),
-        ):
+        for size_of_cast in ({"radii": reach}, {"half_sizes": thin}):
+            found, wide = (
+                each.shape_cast(origins, ways, **size_of_cast, max_distance=longest)
+                for each in (index, copies)
+            )
             assert found.distances == pytest.approx(wide.distances, abs=1e-9)
             inside = wide.distances == 0
             assert np.array_equal(found.distances == 0, inside)

@@ -21,6 +21,8 @@ Pair = tuple[int, int]
 coordinates = st.integers(-6, 6).map(float) | st.floats(-10, 10, width=32) | st.just(1e30)
 sizes = st.sampled_from([0.0, 0.5, 1.0, 2.0, 50.0]) | st.floats(2**-59, 3, width=32)
 bits = st.sampled_from([ALL_BITS, 1, 2, 3, 0])
+maybe_a_size = st.none() | sizes
+maybe_bits = st.tuples(st.none() | bits, st.none() | bits)
 points = st.tuples(coordinates, coordinates)
 new_shapes = st.tuples(points, sizes, st.tuples(sizes, sizes) | st.just((0.0, 0.0)), bits, bits)
 masks = st.none() | st.sampled_from([1, 2, ALL_BITS])
@@ -97,25 +99,14 @@ class LivingSpace(RuleBasedStateMachine):
         self.space.set(id, positions=to)
         self.shapes[id] = (to, *self.shapes[id][1:])
 
-    @rule(data=st.data(), radius=st.none() | sizes, half=st.none() | sizes)
-    def resize(self, data: st.DataObject, radius: float | None, half: float | None) -> None:
-        ids = self.some(data)
-        self.space.set(ids, radii=radius, half_sizes=half)
+    @rule(data=st.data(), size=st.tuples(maybe_a_size, maybe_a_size), filters=maybe_bits)
+    def change(self, data: st.DataObject, size: Any, filters: Any) -> None:
+        ids, (radius, half), (own, wanted) = self.some(data), size, filters
+        self.space.set(ids, radii=radius, half_sizes=half, categories=own, masks=wanted)
         for id in ids:
-            row = list(self.shapes[id])
-            row[1] = row[1] if radius is None else radius
-            row[2] = row[2] if half is None else (half, half)
-            self.shapes[id] = tuple(row)
-
-    @rule(data=st.data(), own=st.none() | bits, wanted=st.none() | bits)
-    def filter(self, data: st.DataObject, own: int | None, wanted: int | None) -> None:
-        ids = self.some(data)
-        self.space.set(ids, categories=own, masks=wanted)
-        for id in ids:
-            row = list(self.shapes[id])
-            row[3] = row[3] if own is None else own
-            row[4] = row[4] if wanted is None else wanted
-            self.shapes[id] = tuple(row)
+            given = (None, radius, half if half is None else (half, half), own, wanted)
+            rows = zip(given, self.shapes[id], strict=True)
+            self.shapes[id] = tuple(old if new is None else new for new, old in rows)
 
     @rule(data=st.data(), everything=st.sampled_from([False] * 7 + [True]))
     def remove(self, data: st.DataObject, everything: bool) -> None:
