@@ -3,7 +3,7 @@
 from functools import partial
 
 import numpy as np
-from mpi_checks import check, check_events, refuse, step_all
+from mpi_checks import check, check_events, refuse, step_alike, step_all
 from mpi_worlds import REST, comm, evenly, gas, on_first, on_last, scattered, unevenly, up_to
 
 import jostle
@@ -65,9 +65,8 @@ def test_refined() -> None:
     ours = scattered(world, unevenly, every=4)
     counts = []
     for step in range(7):
-        step_all((world, ours), 0.2)
+        step_alike("refined", ours, world, 0.2)
         assert ours.stats.substeps == world.stats.substeps, step
-        assert ours.state_hash() == world.state_hash(), step
         counts.append(world.stats.substeps)
     # With masses of 1 each step has 4.
     assert world.substeps == 4 and max(counts) >= 12, counts
@@ -176,12 +175,9 @@ def test_forces() -> None:
     world = gas(400, forces=[long, flocking, other], container="torus", substeps=3)
     ours = check("three forces", world, 1 / 60, 25)
     alone = ours.gather()
-    if alone is not None:
-        assert np.array_equal(alone.forces[0].kinds, kinds)
-        alone.step(1 / 60, 5)
-    ours.step(1 / 60, 5)
-    state = comm().bcast(alone.state_hash() if alone is not None else None)
-    assert ours.state_hash() == state
+    assert alone is None or np.array_equal(alone.forces[0].kinds, kinds)
+    world.step(1 / 60, 25)
+    step_alike("three forces", ours, world, 1 / 60, 5, gathers=True)
     ours = jostle.mpi.create_scene(comm(), "life", n=100, seed=3)
     assert ours.state_hash() == jostle.scenes.create("life", n=100, seed=3).state_hash()
     if comm().size > 1:
@@ -213,14 +209,9 @@ def test_given() -> None:
             all_ids = np.concatenate([ids[rank :: comm().size] for rank in range(comm().size)])
             world.force(all_ids, by_id[all_ids])
             ours.force(own, by_id[own])
-            alone = ours.gather() if call == 1 else None
-            for one in (world, ours, *([] if alone is None else [alone])):
-                one.step(1 / 60, 5)
-            assert ours.state_hash() == world.state_hash(), (name, call)
-            assert alone is None or alone.state_hash() == world.state_hash(), name
+            step_alike(name, ours, world, 1 / 60, 5, gathers=call == 1)
             assert not ours.accelerations.any()
-        step_all((ours, world), 1 / 60, 5)
-        assert ours.state_hash() == world.state_hash(), name
+        step_alike(name, ours, world, 1 / 60, 5)
     is_last = comm().rank == comm().size - 1
     refuse(
         lambda: setattr(ours, "accelerations", np.zeros((1, 2))), "accelerations has shape (1, 2)"
@@ -231,8 +222,7 @@ def test_given() -> None:
     first = int(comm().bcast(ours.ids[ours.movable][0] if comm().rank == 0 else None))
     refuse(lambda: ours.force([first] * 99, [(1e18, 0)] * 99), f"of particle {first} would be")
     assert not ours.accelerations.any()
-    step_all((world, ours), 1 / 60)
-    assert ours.state_hash() == world.state_hash()
+    step_alike("after what is refused", ours, world, 1 / 60)
 
 
 def test_energy() -> None:
@@ -265,12 +255,8 @@ def test_rest_that_is_interrupted() -> None:
     ours = scattered(world, unevenly, every=4)
     ours.substeps = None  # fewer without gravity
     for gravity, steps in ((30.0, 40), (0.0, 2), (30.0, 3), (0.0, 1), (30.0, 3)):
-        alone = ours.gather()
-        for one in (world, ours, *([] if alone is None else [alone])):
-            one.gravity = (0.0, gravity)
-            one.step(1 / 60, steps)
-        assert ours.state_hash() == world.state_hash(), world.time
-        assert alone is None or alone.state_hash() == world.state_hash(), world.time
+        ours.gravity = world.gravity = (0.0, gravity)
+        step_alike("gravity", ours, world, 1 / 60, steps, gathers=True)
 
 
 @up_to(3)
@@ -280,11 +266,7 @@ def test_immovable() -> None:
     world.sleeping = False
     ours = scattered(world, unevenly, every=3)
     for step in range(60):
-        alone = ours.gather() if step % 5 == 0 else None
-        for one in (world, ours, *([] if alone is None else [alone])):
-            one.step(1 / 60)
-        assert ours.state_hash() == world.state_hash(), step
-        assert alone is None or alone.state_hash() == world.state_hash(), step
+        step_alike("heap", ours, world, 1 / 60, gathers=step % 5 == 0)
 
 
 def test_settings() -> None:
@@ -303,9 +285,8 @@ def test_settings() -> None:
     ):
         for one in (world, ours):
             setattr(one, name, value)
-            one.step(1 / 60, 3)
-        assert getattr(ours, name) == getattr(world, name) == value
-        assert ours.state_hash() == world.state_hash(), name
+            assert getattr(one, name) == value
+        step_alike(name, ours, world, 1 / 60, 3)
         if world.track_events:
             assert check_events(name, ours, world) > 0
     assert sum(comm().allgather(ours.stats.leaves)) >= world.stats.leaves
@@ -324,7 +305,6 @@ def test_parts() -> None:
             assert ours.state_hash() == whole.state_hash(), (name, n)
             assert ours.total == len(whole) and len(ours) <= len(whole) // comm().size + 1
     for _ in range(2):
-        step_all((whole, ours), 1 / 60, 10)
-        assert ours.state_hash() == whole.state_hash()
+        step_alike("clusters", ours, whole, 1 / 60, 10)
     refuse(lambda: jostle.mpi.create_scene(comm(), "nothing"), "nothing")
     refuse(lambda: jostle.mpi.create_scene(comm(), "stars", n=10), "")

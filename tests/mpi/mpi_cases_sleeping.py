@@ -11,16 +11,25 @@ from mpi_worlds import comm, evenly, gas, of_rank, scattered, sleepers, unevenly
 import jostle
 
 
+def sleeping_counts(name: str, world: jostle.World, rounds: int, *how: Any) -> list[int]:
+    """Compare with one process after each of some rounds; return how many particles sleep then.
+
+    How the world is scattered is given as in `scattered`.
+    """
+    ours, counts = scattered(world, *how), []
+    for _ in range(rounds):
+        step_all((world, ours), 1 / 30, 12)
+        check_asleep(name, ours, world)
+        if world.track_events:
+            check_events(name, ours, world)
+        counts.append(int(world.asleep.sum()))
+    return counts
+
+
 @up_to(3)
 def test_sleeping() -> None:
     """Islands that several ranks have fall asleep and wake as in one process."""
-    world = sleepers()
-    ours = scattered(world, unevenly, every=7)
-    counts = []
-    for _ in range(14):
-        step_all((world, ours), 1 / 30, 12)
-        check_asleep("sleeping", ours, world)
-        counts.append(int(world.asleep.sum()))
+    counts = sleeping_counts("sleeping", sleepers(), 14, unevenly, 7)
     # Some wake when discs fall on them.
     assert max(counts) > 30 and np.diff(counts).min() < 0, counts
 
@@ -29,30 +38,16 @@ def test_sleeping_beside_others() -> None:
     """Sleeping particles beside walls, and beside immovable particles."""
     walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
     tracked = sleepers(walls=walls, track_events=True)
-    ours = scattered(tracked, unevenly)
-    for _ in range(8):
-        step_all((tracked, ours), 1 / 30, 12)
-        check_asleep("walls", ours, tracked)
-        check_events("walls", ours, tracked)
-    assert tracked.asleep.sum() > 10
+    assert sleeping_counts("walls", tracked, 8, unevenly)[-1] > 10
     # Kinematic particles keep others awake; static ones do not.
     movable = np.arange(42) % 5 > 0
     still = sleepers(movable=movable)
     still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
-    ours = scattered(still, evenly)
-    for _ in range(5):
-        step_all((still, ours), 1 / 30, 12)
-        check_asleep("obstacles", ours, still)
-    assert still.asleep.any()
+    assert sleeping_counts("obstacles", still, 5, evenly)[-1] > 0
     # A kinematic disc moves to sleeping ones, and wakes them.
     coming = sleepers(8, falling=1, movable=np.arange(33) < 32)
     coming.set(32, positions=(3.0, 150.0), velocities=(0.0, -60.0))
-    ours = scattered(coming, evenly)
-    counts = []
-    for _ in range(8):
-        step_all((coming, ours), 1 / 30, 12)
-        check_asleep("a kinematic disc", ours, coming)
-        counts.append(int(coming.asleep.sum()))
+    counts = sleeping_counts("a kinematic disc", coming, 8, evenly)
     assert np.diff(counts).min() < 0, counts
 
 

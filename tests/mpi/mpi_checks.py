@@ -93,6 +93,22 @@ def step_all(worlds: Iterable[Any], dt: float, steps: int = 1) -> None:
         one.step(dt, steps)
 
 
+def step_alike(
+    name: str,
+    ours: jostle.mpi.World,
+    world: jostle.World,
+    dt: float,
+    steps: int = 1,
+    *,
+    gathers: bool = False,
+) -> None:
+    """Step both, and a world of one process with all particles; they have the same states."""
+    alone = ours.gather() if gathers else None
+    for one in (world, ours, *([] if alone is None else [alone])):
+        one.step(dt, steps)
+        assert one.state_hash() == world.state_hash(), f"{name} at {world.time}"
+
+
 def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None:
     """The contacts of all ranks together are those of one process. Sums of the impulses of several
     bounces of a pair in a step may be rounded differently."""
@@ -119,21 +135,19 @@ def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:
     return sum(map(len, found))
 
 
-def check_asleep(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+def check_asleep_now(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
     """The same state and the same sleeping particles."""
     found, expected = ours.state_hash(), world.state_hash()
     assert found == expected, f"{name}: {found:#x} is not {expected:#x} at {world.time}"
     ids, asleep = (np.concatenate(comm().allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(np.sort(ids), world.ids), f"{name} at {world.time}"
     assert np.array_equal(asleep[np.argsort(ids)], world.asleep), f"{name} at {world.time}"
-    check_touches(name, ours, expected_now(world, [expected]))
 
 
-def check_asleep_now(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
-    """As `check_asleep`, without contacts, which are those of a step."""
-    assert ours.state_hash() == world.state_hash(), name
-    ids, asleep = (np.concatenate(comm().allgather(of)) for of in (ours.ids, ours.asleep))
-    assert np.array_equal(np.sort(ids), world.ids), name
-    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), name
+def check_asleep(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """As `check_asleep_now`, and the contacts, which are those of the last step."""
+    check_asleep_now(name, ours, world)
+    check_touches(name, ours, expected_now(world, []))
 
 
 def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: int) -> None:
