@@ -6,6 +6,7 @@ and tiny ones together, and very far ones.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,49 +115,23 @@ def few_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) ->
     return Shapes(rows[:, :2], rows[:, 2], rows[:, 3:] if boxes else None)
 
 
-def _uniform(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    return rng.uniform(0, np.sqrt(n), (n, 2))
-
-
-def _on_a_line(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    return np.outer(rng.uniform(0, n, n), rng.choice([0.0, 1.0, -2.0], 2))
-
-
-def _on_a_grid(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    return rng.integers(0, max(1, int(np.sqrt(n))), (n, 2)).astype(np.float64)
-
-
-def _coincident(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    return np.tile(rng.uniform(-5, 5, 2), (n, 1))
-
-
-def _nested(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    """Points that converge to one point, so that every subdivision leaves most in one quarter."""
-    return rng.choice([-1.0, 1.0], (n, 2)) * 0.5 ** rng.uniform(0, 60, (n, 1))
-
-
-def _clusters(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    homes = rng.uniform(-1e6, 1e6, (5, 2))
-    return homes[rng.integers(0, 5, n)] + rng.normal(size=(n, 2))
-
-
 def _with_outliers(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
     centers = rng.uniform(0, 1, (n, 2)) * np.sqrt(n)
     centers[: n // 50 + 1] = rng.choice([-1e30, 1e30, 1e7, -1e7], (n // 50 + 1, 2))[:n]
     return centers
 
 
-ARRANGEMENTS = {
-    arrange.__name__.strip("_"): arrange
-    for arrange in (
-        _uniform,
-        _on_a_line,
-        _on_a_grid,
-        _coincident,
-        _nested,
-        _clusters,
-        _with_outliers,
-    )
+ARRANGEMENTS: dict[str, Callable[[np.random.Generator, int], NDArray[Any]]] = {
+    "uniform": lambda rng, n: rng.uniform(0, np.sqrt(n), (n, 2)),
+    "on a line": lambda rng, n: np.outer(rng.uniform(0, n, n), rng.choice([0.0, 1.0, -2.0], 2)),
+    "on a grid": lambda rng, n: rng.integers(0, max(1, int(np.sqrt(n))), (n, 2)).astype(float),
+    "coincident": lambda rng, n: np.tile(rng.uniform(-5, 5, 2), (n, 1)),
+    # Points that converge to one point, so that every subdivision leaves most in one quarter.
+    "nested": lambda rng, n: rng.choice([-1.0, 1.0], (n, 2)) * 0.5 ** rng.uniform(0, 60, (n, 1)),
+    "clusters": lambda rng, n: (
+        rng.uniform(-1e6, 1e6, (5, 2))[rng.integers(0, 5, n)] + rng.normal(size=(n, 2))
+    ),
+    "with outliers": _with_outliers,
 }
 
 

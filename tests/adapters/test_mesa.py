@@ -37,21 +37,20 @@ class Twins:
             agent.position = position
             agents.append(agent)
 
-    def numbers(self, agents: list[Any], side: int) -> list[int]:
-        return [self.agents[side].index(agent) for agent in agents]
+    def answers(self, query: str, *arguments: Any) -> list[tuple[list[int], list[float]]]:
+        """Return the numbers of the agents that each space finds, and their distances."""
+        found = []
+        for space, own in zip(self.spaces, self.agents, strict=True):
+            agents, distances = getattr(space, query)(*arguments)
+            found.append(([own.index(agent) for agent in agents], distances.tolist()))
+        return found
 
     def agree(self, point: Any, radius: float, k: int) -> None:
-        found = []
-        for side, space in enumerate(self.spaces):
-            agents, distances = space.get_agents_in_radius(point, radius)
-            found.append((self.numbers(agents, side), distances.tolist()))
+        found = self.answers("get_agents_in_radius", point, radius)
         assert found[0] == found[1]
         if not 0 < k < len(self.agents[0]):
             return
-        nearest = []
-        for side, space in enumerate(self.spaces):
-            agents, distances = space.get_k_nearest_agents(point, k)
-            nearest.append((self.numbers(agents, side), distances.tolist()))
+        nearest = self.answers("get_k_nearest_agents", point, k)
         # Mesa's order is not specified; at equal distances any of the agents may be in it.
         assert sorted(nearest[0][1]) == nearest[1][1]
         if len(set(nearest[1][1])) == k and k + 1 < len(self.agents[0]):
@@ -153,25 +152,20 @@ def test_the_flocking_example_of_mesa(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.array_equal(*positions)
 
 
-def _writes() -> dict[str, Any]:
-    def unpacked(positions: Any) -> None:
-        x, _ = positions.T
-        x[1:3] = 1.0
-
-    return {
-        "transposed": lambda p: p.T.__setitem__((slice(None), 1), 1.0),
-        "unpacked": unpacked,
-        "flattened": lambda p: p.reshape(-1).__setitem__(slice(2, 4), 1.0),
-        "ravelled": lambda p: p.ravel().__setitem__(slice(2, 4), 1.0),
-        "viewed": lambda p: p.view().__setitem__(1, 1.0),
-        "filled": lambda p: p[1].fill(1.0),
-        "put": lambda p: p.put([2, 3], 1.0),
-        "in place": lambda p: p.T.__imul__(0.5),
-        "row of a slice": lambda p: p[1:][0].__setitem__(0, 1.0),
-    }
+WRITES: dict[str, Any] = {
+    "transposed": lambda p: p.T.__setitem__((slice(None), 1), 1.0),
+    "unpacked": lambda p: next(iter(p.T)).__setitem__(slice(1, 3), 1.0),
+    "flattened": lambda p: p.reshape(-1).__setitem__(slice(2, 4), 1.0),
+    "ravelled": lambda p: p.ravel().__setitem__(slice(2, 4), 1.0),
+    "viewed": lambda p: p.view().__setitem__(1, 1.0),
+    "filled": lambda p: p[1].fill(1.0),
+    "put": lambda p: p.put([2, 3], 1.0),
+    "in place": lambda p: p.T.__imul__(0.5),
+    "row of a slice": lambda p: p[1:][0].__setitem__(0, 1.0),
+}
 
 
-@pytest.mark.parametrize("write", _writes().values(), ids=_writes().keys())
+@pytest.mark.parametrize("write", WRITES.values(), ids=WRITES.keys())
 def test_writes_to_views_are_detected(write: Any) -> None:
     twins = Twins(True, [(2.0 * x, 5.0) for x in range(6)])
     twins.agree((1.0, 1.0), 3.0, 2)

@@ -139,26 +139,15 @@ def test_a_user_folds_sections_and_opens_menus(user: ScriptedUser) -> None:
 
 # What must hold when the user has done everything that they do at a stop.
 ENDS: dict[str, Callable[[Session], bool]] = {
-    "rules": lambda session: (
-        session.runner.race is not None and session.runner.race.method == "article-quadtree"
+    "rules": lambda s: s.runner.race is not None and s.runner.race.method == "article-quadtree",
+    "springs": lambda s: s.interaction.drag_tool.held is None and s.camera.at_home,
+    "menu": lambda s: s.interaction.menu is not None and s.interaction.menu.tag is not None,
+    "why": lambda s: len(s.interaction.selection) == 2 and s.explanation is not None,
+    "walls": lambda s: (
+        len(s.interaction.commands.drawn_walls) == 2 and len(s.interaction.attractors.placed) == 1
     ),
-    "springs": lambda session: (
-        session.interaction.drag_tool.held is None and session.camera.at_home
-    ),
-    "menu": lambda session: (
-        session.interaction.menu is not None and session.interaction.menu.tag is not None
-    ),
-    "why": lambda session: (
-        len(session.interaction.selection) == 2 and session.explanation is not None
-    ),
-    "walls": lambda session: (
-        len(session.interaction.commands.drawn_walls) == 2
-        and len(session.interaction.attractors.placed) == 1
-    ),
-    "rewind": lambda session: (
-        session.runner.paused and abs(session.runner.history.back - 4.4) < 0.05
-    ),
-    "settings": lambda session: isinstance(session.frame.container, jostle.Circle),
+    "rewind": lambda s: s.runner.paused and abs(s.runner.history.back - 4.4) < 0.05,
+    "settings": lambda s: isinstance(s.frame.container, jostle.Circle),
 }
 
 

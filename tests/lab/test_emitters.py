@@ -87,23 +87,6 @@ def test_the_seed_decides_and_only_it() -> None:
     assert worlds[0] == worlds[1] != worlds[2]
 
 
-def test_the_state_can_be_set_back() -> None:
-    world, emitters = jostle.scenes.create("emitters", N), Emitters(N)
-    run(world, emitters, 45)
-    state, saved = (emitters.emitted, emitters.debt), world.positions
-    velocities, radii, masses, movable = world.velocities, world.radii, world.masses, world.movable
-    run(world, emitters, 1)
-    again = jostle.World(saved, velocities, radii, masses=masses, movable=movable)
-    other = Emitters(N)
-    other.emitted, other.debt = state
-    again.gravity = world.gravity
-    other.step(again, STEP)
-    count = other.emitted - state[0]
-    assert count > 0
-    np.testing.assert_array_equal(again.positions[-count:], world.positions[-count:])
-    np.testing.assert_array_equal(again.radii[-count:], world.radii[-count:])
-
-
 @pytest.mark.parametrize("n", [0, 1, 2])
 def test_small_caps(n: int) -> None:
     world, emitters = jostle.scenes.create("emitters", n), Emitters(n)

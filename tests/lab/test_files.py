@@ -26,6 +26,7 @@ SCENES = [
     Settings("orbit", 100, on_touch="merge"),
     Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
     Settings("mixed", 40, method="brute"),
+    Settings("life", 50, matrix=((0.5, -1.0), (1.0, 0.0))),
 ]
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
@@ -61,7 +62,8 @@ def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
         simulation.step()
         again.step()
     one, other = simulation.frame(), again.frame()
-    for name in ("positions", "velocities", "radii", "densities", "movable", "tags", "born"):
+    columns = ("positions", "velocities", "radii", "densities", "movable", "tags", "born")
+    for name in (*columns, "kinds", "matrix"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     assert one.attractors == other.attractors
     assert simulation.add([(9, 9)], [(0, 0)], 1.0) == again.add([(9, 9)], [(0, 0)], 1.0)

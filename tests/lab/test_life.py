@@ -12,7 +12,6 @@ from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.palette import FIRST_KIND, FIXED_SHADE, KINDS
 from jostle_lab.draw.view_options import ColourBy
 from jostle_lab.simulate.settings import SETTINGS, Settings
-from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import read
 from jostle_lab.storage.config import read_config
@@ -91,17 +90,6 @@ def test_a_matrix_may_have_fewer_kinds() -> None:
     simulation.add([(1, 1), (2, 2)], [(0, 0)] * 2, [2.0, 2.0])
     frame = simulation.frame()
     assert frame.kinds is not None and frame.kinds[-2:].tolist() == [1, 0]
-
-
-def test_saved_scenes_continue_with_the_same_matrix() -> None:
-    simulation = start(Settings("life", n=50, matrix=TWO))
-    simulation.step()
-    again = Simulation.resume(simulation.save())
-    for one in (simulation, again):
-        one.step()
-    first, second = simulation.frame(), again.frame()
-    np.testing.assert_array_equal(first.positions, second.positions)
-    np.testing.assert_array_equal(first.matrix, second.matrix)
 
 
 def test_colours_are_those_of_the_kinds() -> None:

@@ -71,21 +71,13 @@ def test_what_does_not_overlap_does_not_move(problem) -> None:
 def test_threads_and_order_change_nothing(axis: int | None, n: int) -> None:
     rng = np.random.default_rng(n)
     centers = rng.normal(0, 2 * np.sqrt(n), (n, 2))
-    halves, radii = rng.uniform(0, 2, (n, 2)), rng.uniform(0.1, 1, n)
-    weights, fixed = rng.uniform(0.5, 2, n), rng.random(n) < 0.02
-    one = jostle.separate(
-        centers, radii, halves, weights=weights, movable=~fixed, axis=axis, threads=1
-    )
+    columns = {"half_sizes": rng.uniform(0, 2, (n, 2)), "radii": rng.uniform(0.1, 1, n)}
+    fixed = rng.random(n) < 0.02
+    columns |= {"weights": rng.uniform(0.5, 2, n), "movable": ~fixed}
+    one = jostle.separate(centers, **columns, axis=axis, threads=1)
     order = rng.permutation(n)
-    many = jostle.separate(
-        centers[order],
-        radii[order],
-        halves[order],
-        weights=weights[order],
-        movable=~fixed[order],
-        axis=axis,
-        threads=2,
-    )
+    ordered = {name: column[order] for name, column in columns.items()}
+    many = jostle.separate(centers[order], **ordered, axis=axis, threads=2)
     np.testing.assert_array_equal(one.positions[order], many.positions)
     assert (one.rounds, one.overlaps) == (many.rounds, many.overlaps)
     np.testing.assert_array_equal(one.positions[fixed], centers[fixed])

@@ -380,48 +380,33 @@ def test_an_empty_space_answers() -> None:
     assert space.positions.shape == (0, 2) and space.get([]).radii.shape == (0,)
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda s: s.set(9, positions=(0, 0)), "^ids is 9; no shape has this id"),
-        (lambda s: s.remove(1 << 80), "^ids is 1208925819614629174706176; no shape has this id"),
-        (lambda s: s.remove(np.array([0, 1 << 63], "u8")), r"^ids\[1\] is 9223372036854775808; no"),
-        (lambda s: s.set(2, positions=(0, 0)), "^ids is 2; its shape has been removed"),
-        (
-            lambda s: s.set(0, positions=(0, np.nan)),
-            r"^positions is \(0, NaN\); both coordinates must be",
-        ),
-        (
-            lambda s: s.set(0, positions=[(0, 0)]),
-            r"^positions has shape \(1, 2\); it must be \(2,\), as",
-        ),
-        (
-            lambda s: s.set([0], positions=(0, 0)),
-            r"^positions has shape \(2,\); it must be \(1, 2\)",
-        ),
-        (
-            lambda s: s.set([0, 1], positions=[(0, 0)]),
-            r"^positions has shape \(1, 2\); it must be \(2, 2\)",
-        ),
-        (lambda s: s.set(0, radii=-1), "^radii is -1; a radius must be finite and at least 0"),
-        (lambda s: s.set([0, 1], radii=[1, -1]), r"^radii\[1\] is -1; "),
-        (lambda s: s.set([0, 1], radii=[1]), r"^radii has shape \(1,\); it must be "),
-        (
-            lambda s: s.set(0, categories=1 << 32),
-            "^categories is 4294967296; it must be a set of 32",
-        ),
-        (lambda s: s.add((0, 0), -1.0), "^radii is -1; "),
-        (lambda s: s.add((0, 0, 0)), r"^positions has shape \(3,\); "),
-        (lambda s: s.add((1e999, 0)), r"^positions is \(inf, 0\); "),
-        (lambda s: s.remove([[0]]), r"^ids has shape \(1, 1\); it must be an integer or \(k,\)"),
-        (lambda s: s.get([0, 5]).positions, r"^ids\[1\] is 5; no shape has this id"),
-    ],
-)
+REFUSED: list[tuple[Any, str]] = [
+    (lambda s: s.set(9, positions=(0, 0)), "ids is 9; no shape has this id"),
+    (lambda s: s.remove(1 << 80), "ids is 1208925819614629174706176; no shape has this id"),
+    (lambda s: s.remove(np.array([0, 1 << 63], "u8")), "ids[1] is 9223372036854775808; no"),
+    (lambda s: s.set(2, positions=(0, 0)), "ids is 2; its shape has been removed"),
+    (lambda s: s.set(0, positions=(0, np.nan)), "positions is (0, NaN); both coordinates must be"),
+    (lambda s: s.set(0, positions=[(0, 0)]), "positions has shape (1, 2); it must be (2,), as"),
+    (lambda s: s.set([0], positions=(0, 0)), "positions has shape (2,); it must be (1, 2)"),
+    (lambda s: s.set([0, 1], positions=[(0, 0)]), "positions has shape (1, 2); it must be (2, 2)"),
+    (lambda s: s.set(0, radii=-1), "radii is -1; a radius must be finite and at least 0"),
+    (lambda s: s.set([0, 1], radii=[1, -1]), "radii[1] is -1; "),
+    (lambda s: s.set([0, 1], radii=[1]), "radii has shape (1,); it must be "),
+    (lambda s: s.set(0, categories=1 << 32), "categories is 4294967296; it must be a set of 32"),
+    (lambda s: s.add((0, 0), -1.0), "radii is -1; "),
+    (lambda s: s.add((0, 0, 0)), "positions has shape (3,); "),
+    (lambda s: s.add((1e999, 0)), "positions is (inf, 0); "),
+    (lambda s: s.remove([[0]]), "ids has shape (1, 1); it must be an integer or (k,)"),
+    (lambda s: s.get([0, 5]).positions, "ids[1] is 5; no shape has this id"),
+]
+
+
+@pytest.mark.parametrize(("call", "message"), REFUSED)
 def test_errors_name_argument_index_and_value(call: Any, message: str) -> None:
     space = jostle.Space()
     space.add([(0, 0), (5, 5), (9, 9)], 1.0)
     space.remove(2)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
         call(space)
     assert space.ids.tolist() == [0, 1]
     np.testing.assert_array_equal(space.positions, [(0, 0), (5, 5)])

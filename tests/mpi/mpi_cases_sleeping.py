@@ -70,15 +70,6 @@ def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
     gone = np.array([2, 17, 31, 9])
     pushed, static = np.array([20, 5]), np.array([0])
 
-    def wall(world: Any, _: Callable[..., Any]) -> None:
-        world.wall_velocities = [(0.0, 0.4)]
-
-    def stop(world: Any, _: Callable[..., Any]) -> None:
-        world.wall_velocities = [(0.0, 0.0)]
-
-    def lighter(world: Any, _: Callable[..., Any]) -> None:
-        world.gravity = (0.0, -9.0)
-
     return [
         ("a push", lambda w, own: w.set(own(pushed), velocities=own(np.ones((2, 2))))),
         ("nothing", lambda w, own: w.set(own(pushed[:0]), radii=own(np.zeros(0)))),
@@ -87,9 +78,9 @@ def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
         ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
         ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
         ("the static disc is removed", lambda w, own: w.remove(own(static))),
-        ("a moving wall", wall),
-        ("a wall that stops", stop),
-        ("gravity", lighter),
+        ("a moving wall", lambda w, own: setattr(w, "wall_velocities", [(0.0, 0.4)])),
+        ("a wall that stops", lambda w, own: setattr(w, "wall_velocities", [(0.0, 0.0)])),
+        ("gravity", lambda w, own: setattr(w, "gravity", (0.0, -9.0))),
         ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
         (
             "obstacles",
