@@ -16,6 +16,7 @@ use crate::space::PySpace;
 /// Changes of the overlapping pairs of a space between two updates.
 ///
 /// Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
+/// Pairs that only met on the way, in an update with ``swept=True``, are in `entered` and in `exited`.
 /// `stayed` takes time for every pair in the space, when it is first read. Copying and pickling read it
 /// too, so after the next update they are errors unless it was read before.
 ///
@@ -69,7 +70,8 @@ pub fn restore_events(
 
 #[pymethods]
 impl PyEvents {
-    /// Pairs that overlap now and did not at the previous update: ndarray of int64, shape (m, 2).
+    /// Pairs that overlap now and did not at the previous update, of a swept update also those that
+    /// met on the way: ndarray of int64, shape (m, 2).
     #[getter]
     fn entered<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
         kept(py, &self.entered, || copied(py, &self.events.entered))
@@ -94,7 +96,7 @@ impl PyEvents {
     }
 
     /// Pairs that overlapped at the previous update and do not now, also because a shape was
-    /// removed: ndarray of int64, shape (m, 2).
+    /// removed, of a swept update also those that met on the way: ndarray of int64, shape (m, 2).
     #[getter]
     fn exited<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
         kept(py, &self.exited, || copied(py, &self.events.left))

@@ -4,9 +4,9 @@
 //! of the layer of these shapes with all, and are compared with those of the last update.
 
 use super::changes::Changes;
-use super::keys::{Key, slots_of};
+use super::keys::{self, Key, slots_of};
 use super::space::Space;
-use super::touching::MAX_PAIRS;
+use super::touching::{Difference, MAX_PAIRS};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::interrupt::Pulse;
@@ -21,10 +21,11 @@ const CHUNK: usize = 1 << 14;
 /// Pairs of ids, the smaller first, sorted by first, then by second.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Pairs that overlap and did not overlap at the update before.
+    /// Pairs that overlap and did not overlap at the update before; of a swept update also those that
+    /// met on the way.
     pub entered: Vec<[Id; 2]>,
     /// Pairs that overlapped at the update before and do not overlap now, or a shape of which was
-    /// removed.
+    /// removed; of a swept update also those that met on the way.
     pub left: Vec<[Id; 2]>,
     /// The number of the update of its space.
     update: u64,
@@ -34,6 +35,18 @@ impl<T: Scalar> Space<T> {
     /// The pairs that entered and left since the last update. If the shapes that changed have
     /// more than `max_pairs` pairs, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
+        self.compare(false, max_pairs)
+    }
+
+    /// As [`Space::update`], with the pairs that overlapped only on the way since the last update, among those that
+    /// entered and among those that left. Each shape has moved from where it was at the last update, or was added
+    /// since, to where it is, along a straight line and all in the same time, with its present size and filter. The
+    /// limit is also one for the pairs of bounds of the paths.
+    pub fn update_swept(&mut self, max_pairs: usize) -> Result<Events> {
+        self.compare(true, max_pairs)
+    }
+
+    fn compare(&mut self, is_swept: bool, max_pairs: usize) -> Result<Events> {
         let max_pairs = max_pairs.min(MAX_PAIRS);
         let any_removed = self.slots.len() < self.slots.count();
         let present = self.changes.present(&self.layers, any_removed)?;
@@ -63,7 +76,8 @@ impl<T: Scalar> Space<T> {
             }
             found => found?,
         };
-        let events = self.take_over(&found)?;
+        let crossed = if is_swept { self.crossed(&present, max_pairs)? } else { Vec::new() };
+        let events = self.take_over(&found, &crossed)?;
         // Memory is freed if much more is allocated than needed.
         let is_wasteful = found.capacity() > 4 * found.len();
         self.changes.found = if is_wasteful { Vec::new() } else { found };
@@ -93,20 +107,33 @@ impl<T: Scalar> Space<T> {
     }
 
     /// Stores the current pairs of the slots that changed. All steps that can fail precede the
-    /// first change.
-    fn take_over(&mut self, found: &[[u32; 2]]) -> Result<Events> {
+    /// first change. Pairs that have `crossed` do not overlap, so they are not stored.
+    fn take_over(&mut self, found: &[[u32; 2]], crossed: &[Key]) -> Result<Events> {
         let Changes { slots, changed, leaving, updates, .. } = &self.changes;
         let update = updates + 1;
         let difference = self.touching.compare(slots, changed, found)?;
         // The lists of ids are made before anything is stored: an error that comes later than this
         // would lose events.
-        let (left, entered) =
-            (self.sorted_ids(&difference.left)?, self.sorted_ids(&difference.entered)?);
+        let [left, entered] = self.told(&difference, crossed)?;
         self.slots.reserve_free(leaving.len())?;
         self.touching.change(difference);
+        self.starts.clear(&self.changes.slots);
         self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
         self.changes.clear();
         Ok(Events { entered, left, update })
+    }
+
+    /// The pairs that left and those that entered, as ids.
+    fn told(&self, difference: &Difference, crossed: &[Key]) -> Result<[Vec<[Id; 2]>; 2]> {
+        let Difference { left, entered, .. } = difference;
+        if crossed.is_empty() {
+            return Ok([self.sorted_ids(left)?, self.sorted_ids(entered)?]);
+        }
+        // A pair that overlapped at the last update has not entered. It can only be among these if a size or a
+        // filter has changed, so that it did not overlap with the present one.
+        let (_, crossed) = keys::difference(left, |key| *key, crossed)?;
+        let (left, entered) = (keys::merged(left, &crossed)?, keys::merged(entered, &crossed)?);
+        Ok([self.sorted_ids(&left)?, self.sorted_ids(&entered)?])
     }
 
     /// The pairs of ids, sorted, from ascending keys.
@@ -137,7 +164,11 @@ impl<T: Scalar> Space<T> {
         let mut pairs = self.sorted_ids(&self.touching.all()?)?;
         let mut pulse = Pulse::current();
         let mut entered = events.entered.iter().peekable();
-        pairs.retain(|pair| !pulse.stops(1) && entered.next_if_eq(&pair).is_none());
+        pairs.retain(|pair| {
+            // Pairs that met on the way only are not among those of the update.
+            while entered.next_if(|entered| *entered < pair).is_some() {}
+            !pulse.stops(1) && entered.next_if_eq(&pair).is_none()
+        });
         pulse.check(0)?;
         Ok(Some(pairs))
     }

@@ -460,6 +460,17 @@ impl<T: Scalar> Layers<T> {
         Ok(())
     }
 
+    /// How many of the shapes in these slots are in each layer.
+    pub(super) fn count_in(&self, slots: &[u32]) -> Result<Vec<usize>> {
+        let mut counts = memory::filled(self.layers.len(), 0)?;
+        for &slot in slots {
+            if let Some(count) = counts.get_mut(usize::from(self.layer_of[slot as usize])) {
+                *count += 1;
+            }
+        }
+        Ok(counts)
+    }
+
     /// Number of shapes of a layer.
     pub(super) fn len_of(&self, index: usize) -> usize {
         self.layers[index].len

@@ -25,6 +25,10 @@ pub struct Saved<T> {
     pub changed: Vec<u32>,
     /// Slots that have been removed since.
     pub leaving: Vec<u32>,
+    /// Slots whose shapes have moved since, and maybe some that have not.
+    pub moved_since: Vec<u32>,
+    /// The centre of each of these at the last update.
+    pub starts: Vec<[T; 2]>,
     /// Number of updates.
     pub updates: u64,
     /// For each shape that stood on another one after its last motion, the ids of both.

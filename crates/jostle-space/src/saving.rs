@@ -8,6 +8,7 @@ use super::rows::Rows;
 use super::saved::Saved;
 use super::slots::{Slots, VACANT};
 use super::space::Space;
+use super::starts::Starts;
 use super::touching::Touching;
 use super::traces::Traces;
 use super::walls::Walls;
@@ -32,6 +33,7 @@ impl<T: Scalar> Space<T> {
         saved.updates = self.changes.updates;
         (saved.rides, saved.ride_centers) = self.floors.save()?;
         self.traces.save(&mut saved)?;
+        self.starts.save(&mut saved)?;
         saved.walls = memory::collect(self.walls().iter().copied())?;
         Ok(saved)
     }
@@ -61,6 +63,7 @@ impl<T: Scalar> Space<T> {
         changes.updates = saved.updates;
         check_finite("state", &saved.ride_centers)?;
         let floors = Floors::restore(&saved, count)?;
+        let starts = Starts::restore(&saved, count)?;
         let traces = Traces::restore(&mut saved, count)?;
         let walls = Walls::new(std::mem::take(&mut saved.walls), &period, settings)?;
         let rows = Rows::of(std::mem::take(&mut saved.ids));
@@ -72,7 +75,19 @@ impl<T: Scalar> Space<T> {
         // builds one tree of all.
         slots.present().for_each(|slot| layers.freshen(slot));
         let touching = Touching::of(keys);
-        Ok(Self { settings, period, slots, rows, layers, touching, changes, floors, traces, walls })
+        Ok(Self {
+            settings,
+            period,
+            slots,
+            rows,
+            layers,
+            touching,
+            changes,
+            floors,
+            traces,
+            starts,
+            walls,
+        })
     }
 }
 

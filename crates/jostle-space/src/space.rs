@@ -5,6 +5,7 @@ use super::floors::Floors;
 use super::layers::Layers;
 use super::rows::Rows;
 use super::slots::Slots;
+use super::starts::Starts;
 use super::touching::Touching;
 use super::traces::Traces;
 use super::walls::Walls;
@@ -89,6 +90,7 @@ pub struct Space<T> {
     pub(super) changes: Changes,
     pub(super) floors: Floors<T>,
     pub(super) traces: Traces<T>,
+    pub(super) starts: Starts<T>,
     pub(super) walls: Walls<T>,
 }
 
@@ -111,6 +113,7 @@ impl<T: Scalar> Space<T> {
             changes: Changes::default(),
             floors: Floors::default(),
             traces: Traces::default(),
+            starts: Starts::default(),
             walls: Walls::default(),
         })
     }
@@ -175,6 +178,7 @@ impl<T: Scalar> Space<T> {
             // The slot may have belonged to a removed shape, whose motions are not those of the new
             // one.
             self.traces.start(slot);
+            self.starts.start(slot);
             self.note(slot);
             self.rows.push(self.slots.id(slot));
             ids.push(self.slots.id(slot));
@@ -267,8 +271,12 @@ impl<T: Scalar> Space<T> {
         self.reserve_changes(slots.len())?;
         if is_motion {
             self.traces.reserve(slots.len(), self.slots.count())?;
+            self.starts.reserve(self.slots.count())?;
             // A loop of its own is faster than a test in the next one.
-            slots.iter().for_each(|&slot| self.traces.note(slot, || self.slots.center(slot)));
+            for &slot in &slots {
+                self.traces.note(slot, || self.slots.center(slot));
+                self.starts.note(slot, || self.slots.center(slot));
+            }
         }
         for (row, slot) in slots.into_iter().enumerate() {
             // A value that is set to what it was costs nothing later: the shape stays in its layer,
@@ -295,6 +303,7 @@ impl<T: Scalar> Space<T> {
             + self.changes.memory_bytes()
             + self.floors.memory_bytes()
             + self.traces.memory_bytes()
+            + self.starts.memory_bytes()
             + self.walls.memory_bytes()
     }
 

@@ -64,6 +64,7 @@ impl<T: Scalar> Space<T> {
         memory::lengthen(&mut self.floors.all, self.slots.count(), None)?;
         memory::lengthen(&mut self.floors.rows, self.slots.count(), NONE)?;
         self.traces.begin_call(walkers.len(), self.slots.count())?;
+        self.starts.reserve(self.slots.count())?;
         for (row, &slot) in walkers.iter().enumerate() {
             self.floors.rows[slot as usize] = row as u32;
         }
@@ -173,6 +174,7 @@ impl<T: Scalar> Space<T> {
             if self.slots.set_center(slot, self.period.wrap(walk.center)) {
                 self.note(slot);
                 self.traces.note(slot, || before);
+                self.starts.note(slot, || before);
             }
             all.displacements.push(walk.moved);
             all.remaining.push(walk.remaining);

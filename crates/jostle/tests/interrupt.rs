@@ -142,6 +142,25 @@ fn a_space_is_unchanged_after_every_stop() {
     }
 }
 
+#[test]
+fn a_swept_update_is_unchanged_after_every_stop() {
+    let mut space = Space::new(alone()).unwrap();
+    let ids = space.add(&shapes(20_000)).unwrap();
+    space.update(DEFAULT_MAX_PAIRS).unwrap();
+    let moved: Vec<_> = space.read(&ids[5000..5300], |shape| shape.center()).unwrap();
+    let moved: Vec<_> = moved.iter().map(|[x, y]| [x + 5e4, y - 3e4]).collect();
+    space.move_to(&ids[5000..5300], &moved).unwrap();
+    let mut twin = space.clone();
+    let check = |space: &mut Space<f64>| assert_eq!(space.check(), Ok(()));
+    let events = at_every_poll(&mut space, |space| space.update_swept(DEFAULT_MAX_PAIRS), check);
+    let expected = twin.update_swept(DEFAULT_MAX_PAIRS).unwrap();
+    assert_eq!((&events.entered, &events.left), (&expected.entered, &expected.left));
+    let both = events.entered.iter().filter(|pair| events.left.binary_search(pair).is_ok());
+    assert!(both.count() > 100);
+    assert_eq!(space.stayed(&events), twin.stayed(&expected));
+    assert_eq!(space.update_swept(9).unwrap().entered.len(), 0);
+}
+
 /// The number of polls of a call.
 fn polls<R>(call: impl FnOnce() -> R) -> u32 {
     LEFT.set(u32::MAX);

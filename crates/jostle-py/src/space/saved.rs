@@ -75,6 +75,8 @@ fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bo
         column(py, saved.slid).into_any(),
         column(py, saved.moved).into_any(),
         table(py, saved.before)?.into_any(),
+        column(py, saved.moved_since).into_any(),
+        table(py, saved.starts)?.into_any(),
     ];
     PyTuple::new(py, columns)
 }
@@ -124,7 +126,7 @@ fn restored<T: Scalar + Element>(
         let len = calls.len()?;
         Ok(calls.long_ids("call")?.rows(len))
     };
-    let moved = calls(16)?;
+    let (moved, moved_since) = (calls(16)?, list(18)?);
     let saved = Saved {
         corners: corners.boxes(count)?,
         radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
@@ -144,6 +146,8 @@ fn restored<T: Scalar + Element>(
         slid: calls(15)?,
         before: Argument::reals("state", &item(17)?)?.pairs(moved.len())?,
         moved,
+        starts: Argument::reals("state", &item(19)?)?.pairs(moved_since.len())?,
+        moved_since,
     };
     let restore = || Space::restore(settings, settings::period_in(period)?, saved);
     Ok(shared(detached(py, restore)?.map_err(refused)?))
