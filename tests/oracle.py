@@ -38,6 +38,13 @@ class Shapes(NamedTuple):
         return self.take(np.sort(np.unique(np.hstack(columns), axis=0, return_index=True)[1]))
 
 
+def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return whether cores with these gaps along the axes are nearer than `reach`, or overlap."""
+    outside = np.maximum(gap, 0)
+    near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < reach**2
+    return near | (gap < 0).all(axis=-1)
+
+
 def overlap(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
     """Return which shapes overlap; the columns of the two are broadcast."""
     with np.errstate(over="ignore", under="ignore"):
@@ -45,9 +52,7 @@ def overlap(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
         if a.half_sizes is not None or b.half_sizes is not None:
             halves = [np.zeros_like(s.centers) if s[2] is None else s[2] for s in (a, b)]
             distance = distance - (halves[0] + halves[1])
-        outside = np.maximum(distance, 0)
-        near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < (a.radii + b.radii) ** 2
-        return near | (distance < 0).all(axis=-1)
+        return open_overlap(distance, a.radii + b.radii)
 
 
 def overlaps(a: Shapes, b: Shapes) -> NDArray[np.bool_]:

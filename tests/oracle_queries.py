@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from oracle import Shapes
+from oracle import Shapes, open_overlap
 
 QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ignore"}
 
@@ -51,12 +51,6 @@ def cores_of_boxes(boxes: NDArray[Any], radii: NDArray[Any]) -> Cores:
 def gaps(cores: Cores, low: NDArray[Any], high: NDArray[Any]) -> NDArray[Any]:
     """The gap of each core to a rectangle along each axis; negative if they overlap."""
     return np.maximum(low - cores.high, cores.low - high) - cores.half
-
-
-def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
-    outside = np.maximum(gap, 0)
-    near = outside[:, 0] ** 2 + outside[:, 1] ** 2 < reach**2
-    return near | (gap < 0).all(axis=1)
 
 
 def in_rect(cores: Cores, rect: NDArray[Any]) -> NDArray[np.bool_]:

@@ -25,6 +25,10 @@ def scenes(draw: st.DrawFn) -> tuple[jostle.Quadtree, jostle.Space, np.random.Ge
     return jostle.Quadtree(centers, radii, halves), space, rng
 
 
+def some_of(tree: jostle.Quadtree, rows: Any) -> jostle.Quadtree:
+    return jostle.Quadtree(tree.positions[rows], tree.radii[rows], tree.half_sizes[rows])
+
+
 @settings(max_examples=100)
 @given(scenes())
 def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
@@ -33,15 +37,10 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
     lengths = rng.uniform(0, 30, 5)
     all_hits = tree.raycast_all(origins, directions, max_distance=lengths)
     ids, distances, points, normals, offsets = fields(all_hits)
-    state = tree.__getnewargs_ex__()[1]
     for row in range(5):
         expected = []
         for shape in range(len(tree)):
-            alone = jostle.Quadtree(
-                state["positions"][[shape]],
-                state["radii"][[shape]],
-                state.get("half_sizes", np.zeros((len(tree), 2)))[[shape]],
-            )
+            alone = some_of(tree, [shape])
             hit = alone.raycast(origins[row], directions[row], max_distance=lengths[row])
             if hit.id == 0:
                 expected.append((hit.distance, shape, hit.normal))
@@ -104,8 +103,7 @@ def test_points_lie_on_both_surfaces(scene: Any) -> None:
             continue
         place = origins[row] + units[row] * hits.distances[row]
         mover = jostle.Quadtree([place], radii[row], [sizes[row]])
-        alone = jostle.Quadtree(tree.positions[[hit]], tree.radii[[hit]], tree.half_sizes[[hit]])
-        for shape, way in ((mover, -1), (alone, 1)):
+        for shape, way in ((mover, -1), (some_of(tree, [hit]), 1)):
             assert shape.nearest(tuple(point)).distances[0] == pytest.approx(0, abs=1e-9)
             if shape.radii[0] > 0.01 or shape.half_sizes.min() > 0.01:
                 inside = point - 1e-6 * way * hits.normals[row]
@@ -127,8 +125,7 @@ def test_exclude_gives_the_answers_without_that_shape(scene: Any, k: int) -> Non
     out = rng.integers(-1, n, count)
     for row in range(count):
         kept = np.flatnonzero(np.arange(n) != out[row])
-        fewer = jostle.Quadtree(tree.positions[kept], tree.radii[kept], tree.half_sizes[kept])
-        to_kept = np.append(kept, -1)
+        fewer, to_kept = some_of(tree, kept), np.append(kept, -1)
         for index in (tree, space):
             options: dict[str, Any] = {"exclude": int(out[row])}
             near, other = index.nearest(points, k, exclude=out), fewer.nearest(points, k)
@@ -179,7 +176,7 @@ def test_contacts_between_two_trees() -> None:
     # Moved by the depth along the normal, a tile only touches.
     boxes = tiles.boxes[pairs[:, 1]] + np.tile(normals * (depths[:, None] + 1e-9), 2)
     for pair, box in zip(pairs, boxes, strict=True):
-        walker = jostle.Quadtree(walkers.positions[[pair[0]]], walkers.radii[[pair[0]]])
+        walker = some_of(walkers, pair[:1])
         assert len(walker.pairs(jostle.Quadtree(boxes=[box]))) == 0
     assert len(walkers.contacts(tiles, mask=1).pairs) == 0
     with pytest.raises(ValueError, match="max_pairs"):

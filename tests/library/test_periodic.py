@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from oracle import DTYPES
+from oracle import DTYPES, open_overlap
 from scipy.spatial import cKDTree
 
 import jostle
@@ -70,12 +70,6 @@ def gaps(tree: jostle.Quadtree, period: tuple[float, float]) -> NDArray[Any]:
     return result
 
 
-def overlaps(gap: NDArray[Any], radii: NDArray[Any]) -> NDArray[np.bool_]:
-    outside = np.maximum(gap, 0)
-    near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < (radii[:, None] + radii[None]) ** 2
-    return near | (gap < 0).all(axis=-1)
-
-
 @settings(max_examples=150)
 @given(planes(), st.sampled_from([0.0, 0.5, 1.25, 30.0]))
 def test_pairs_neighbors_and_contacts(
@@ -87,7 +81,7 @@ def test_pairs_neighbors_and_contacts(
     gap = gaps(tree, period)
     for reach in (0.0, distance):
         radii = tree.radii + tree.radii.dtype.type(reach) / 2
-        found = overlaps(gap, radii)
+        found = open_overlap(gap, radii[:, None] + radii[None])
         np.fill_diagonal(found, val=False)
         expected = np.argwhere(np.triu(found))
         for method in ("brute", "quadtree"):

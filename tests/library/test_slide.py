@@ -518,23 +518,14 @@ def test_moved_obstacles_do_not_depend_on_ids_threads_or_their_number() -> None:
         shown = []
         for step, walk in zip(steps, walks, strict=True):
             shift(space, ids, step[order])
-            if threads == 1:
-                slides = space.move_and_slide(walkers, walk, mask=LEDGE)
-                shown.append([space.get(walkers).positions, slides.remaining, slides.on_floor])
-            else:  # few at once, which are tested one by one
-                parts = [
-                    space.move_and_slide(walkers[k : k + 4], walk[k : k + 4], mask=LEDGE)
-                    for k in range(0, 60, 4)
-                ]
-                remaining, floors = (
-                    np.concatenate([getattr(part, name) for part in parts])
-                    for name in ("remaining", "on_floor")
-                )
-                shown.append([space.get(walkers).positions, remaining, floors])
-        found.append(shown)
-    for one, other in zip(*found, strict=True):
-        for a, b in zip(one, other, strict=True):
-            np.testing.assert_array_equal(a, b)
+            together = 60 if threads == 1 else 4  # few at once are tested one by one
+            for k in range(0, 60, together):
+                some = slice(k, k + together)
+                slides = space.move_and_slide(walkers[some], walk[some], mask=LEDGE)
+                places_now = space.get(walkers[some]).positions
+                shown.append(np.column_stack([places_now, slides.remaining, slides.on_floor]))
+        found.append(np.concatenate(shown))
+    np.testing.assert_array_equal(*found)
 
 
 @settings(max_examples=60, deadline=None)
