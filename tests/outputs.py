@@ -14,10 +14,15 @@ def frames_of(film: Path) -> list[np.ndarray]:
     return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
 
 
+def table(path: Path) -> list[dict[str, str]]:
+    """The rows of a table."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def rows(path: Path) -> list[dict[str, str]]:
     """The rows of a sweep's table without the time, sorted."""
-    with path.open(encoding="utf-8", newline="") as file:
-        found = list(csv.DictReader(file))
+    found = table(path)
     for row in found:
         del row["seconds"]
     return sorted(found, key=str)

@@ -1,5 +1,6 @@
 """Helpers for tests of signals and processes."""
 
+import contextlib
 import gc
 import itertools
 import os
@@ -8,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +96,23 @@ def lift_limit() -> None:
 
     _, largest = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (largest, largest))
+
+
+@contextlib.contextmanager
+def full_disk(most: int = 200) -> Iterator[None]:
+    """Let no file become larger than so many bytes, as on a full disk."""
+    import resource
+
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    sys.dont_write_bytecode, before = True, sys.dont_write_bytecode  # it would be truncated
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        sys.dont_write_bytecode = before
+        signal.signal(signal.SIGXFSZ, handler)
 
 
 def limit_threads() -> None:

@@ -2,12 +2,11 @@
 
 import json
 import os
-import subprocess
-import sys
 from importlib.util import find_spec
 
 import pygame
 import pytest
+from signals import printed_by
 
 # In a separate process, because the tests initialise pygame.
 PROGRAM = """
@@ -29,7 +28,7 @@ for name in ("groupcollide", "spritecollide", "spritecollideany"):
 pygame.sprite.Group = jostle.pygame.Group
 tests = unittest.defaultTestLoader.loadTestsFromModule(sprite_test)
 result = unittest.TextTestRunner(stream=sys.stderr).run(tests)
-wrong = [case.id() for case, _ in result.failures + result.errors + result.skipped]
+wrong = [(case.id(), text) for case, text in result.failures + result.errors + result.skipped]
 wrong += [case.id() for case in result.unexpectedSuccesses]
 print(json.dumps({"run": result.testsRun, "wrong": wrong, "called": sorted(called)}))
 """
@@ -40,17 +39,9 @@ def test_pygames_own_tests_pass() -> None:
         assert os.environ.get("CI") != "true", "the pinned pygame-ce brings its tests"
         pytest.skip("this pygame-ce was installed without its tests")
     environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "SDL_AUDIODRIVER": "dummy"}
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        capture_output=True,
-        text=True,
-        env=environment,
-        timeout=120,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout.splitlines()[-1])
-    assert found["wrong"] == [], done.stderr
+    printed = printed_by("-c", PROGRAM, env=environment, timeout=120)
+    found = json.loads(printed.splitlines()[-1])
+    assert found["wrong"] == []
     assert found["called"] == ["groupcollide", "spritecollide", "spritecollideany"]
     expected = {"2.5.8": 143}.get(pygame.version.ver, 100)
     assert found["run"] >= expected

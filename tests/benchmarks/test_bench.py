@@ -1,6 +1,5 @@
 """The benchmark compares before it times, and times what it says. No test depends on a time."""
 
-import csv
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import shapes
 import step_rivals
 import steps
 from machine import Results, describe, slug, version_of
+from outputs import table
 from pair_rivals import RIVALS, Rival, Unable
 from ratios import compare, crossing
 from run import summary
@@ -251,8 +251,7 @@ def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
     assert path.read_text() == "an earlier run"
     for count in (1, 2):
         results.add([{"count": count}])
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = table(path)
         assert [row["count"] for row in rows] == [str(n) for n in range(1, count + 1)]
         assert rows[-1]["machine"] == describe()
 
@@ -304,8 +303,7 @@ def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
     options = ["--largest", "60", "--rounds", "3", "--out", tmp_path]
     run_benchmarks("stage-times", *options)
     results = tmp_path / f"stage-times-{slug()}.csv"
-    with results.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = table(results)
     scenes = {row["scene"] for row in rows}
     assert scenes == {"elastic gas", "falling gas", "settling balls", "pile"}
     for scene in scenes:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from signals import printed_by
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -44,8 +45,8 @@ def modules_after(code: str) -> set[str]:
     code = (
         f"import sys, numpy; before = set(sys.modules); {code}; print(*set(sys.modules) - before)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return {name.split(".")[0] for name in done.stdout.split()} - {*sys.stdlib_module_names}
+    names = printed_by("-c", code).split()
+    return {name.split(".")[0] for name in names} - {*sys.stdlib_module_names}
 
 
 @pytest.mark.parametrize("manifest", MANIFESTS, ids=lambda path: path.parent.name)

@@ -4,9 +4,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import pygame
 import pytest
 
+import jostle
 from jostle_lab.draw.camera import Camera
+from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.screen import NoRendererError, Screen
 from jostle_lab.simulate.frame import Frame, FrameContacts, StepStats
 
@@ -36,6 +39,20 @@ class Notes:
     def sheets_drawn(self) -> list[tuple[float, float]]:
         """Where sheets were laid."""
         return [values[1] for name, values, _ in self.strokes if name == "sheet"]
+
+
+def pixels(painter: Painter) -> np.ndarray:
+    """Colours, shape (width, height, 3)."""
+    return pygame.surfarray.array3d(painter.canvas()).astype(int)
+
+
+def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:
+    return jostle.Nodes(
+        np.array(boxes, float).reshape(-1, 4),
+        np.array(levels, int),
+        np.array(counts, int),
+        np.array(leaves, bool),
+    )
 
 
 def camera_of_pixels() -> Camera:

@@ -154,11 +154,9 @@ def test_the_seed_decides_everything(method: str) -> None:
         first.frame()
         second.frame()
     assert state(first) == state(second)
-    assert state(Simulation(60, method, seed=6)) != state(Simulation(60, method, seed=5))
-
-
-def test_both_methods_start_alike() -> None:
-    assert state(Simulation(60, "brute", seed=5)) == state(Simulation(60, "quadtree", seed=5))
+    begun = state(Simulation(60, method, seed=5))
+    assert state(Simulation(60, method, seed=6)) != begun
+    assert all(state(Simulation(60, other, seed=5)) == begun for other in METHODS)
 
 
 def test_the_method_may_be_changed_between_frames() -> None:

@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 import pygame
 import pytest
-from lab_overlays import open_screen
+from lab_overlays import open_screen, pixels
 from results import fields
 
 import jostle
@@ -42,10 +42,6 @@ KINDS = [
 @pytest.fixture
 def open_gas(open_window: Callable[..., Window]) -> Callable[..., Window]:
     return lambda n=50, **options: open_window(Settings("gas", n), **options)
-
-
-def picture_of(painter) -> np.ndarray:
-    return pygame.surfarray.array3d(painter.canvas()).astype(int)
 
 
 @pytest.mark.skipif(
@@ -123,7 +119,7 @@ def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
         pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
         window.frame(FRAME)
         assert window.painter.size == window.session.camera.size == size
-        assert picture_of(window.painter).std() > 1
+        assert pixels(window.painter).std() > 1
     assert built and built[0] == (window.session, window.gui)
 
 
@@ -147,7 +143,7 @@ def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_gas) ->
     for _ in range(3):
         window.frame(FRAME)
     assert window.session.engine.steps > steps
-    assert picture_of(window.painter).std() > 1
+    assert pixels(window.painter).std() > 1
 
 
 def test_what_is_wrong_in_software_is_not_hidden(open_gas) -> None:
@@ -164,15 +160,15 @@ def test_what_is_wrong_in_software_is_not_hidden(open_gas) -> None:
 def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_gas) -> None:
     window = open_gas()
     window.frame(FRAME)
-    before, steps = picture_of(window.painter), window.session.engine.steps
+    before, steps = pixels(window.painter), window.session.engine.steps
     pygame.event.post(pygame.event.Event(pygame.WINDOWMINIMIZED))
     for _ in range(20):
         window.frame(FRAME)
-    assert (picture_of(window.painter) == before).all()
+    assert (pixels(window.painter) == before).all()
     assert window.session.engine.steps > steps
     pygame.event.post(pygame.event.Event(pygame.WINDOWRESTORED))
     window.frame(FRAME)
-    assert (picture_of(window.painter) != before).any()
+    assert (pixels(window.painter) != before).any()
 
 
 def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_gas, monkeypatch) -> None:
@@ -197,7 +193,7 @@ def test_panels_without_events_are_built_every_other_frame(open_gas, renderer: s
     pictures = []
     for _ in range(10):
         window.frame(FRAME)
-        pictures.append(picture_of(window.painter))
+        pictures.append(pixels(window.painter))
     assert len(built) == 5
     panel = [picture[:100] for picture in pictures]
     assert all((part == panel[0]).mean() > 0.98 for part in panel), "between, they are still there"
@@ -222,7 +218,7 @@ def test_a_slow_frame_is_drawn_on_the_worker_thread(background: BackgroundRender
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
     camera.scale, camera.center = 1.0, (320.0, 180.0)
     background.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
-    assert (picture_of(painter) == GROUND).all()  # nothing is finished
+    assert (pixels(painter) == GROUND).all()  # nothing is finished
     background.wait()
 
     def corner(target, seer) -> None:
@@ -230,14 +226,14 @@ def test_a_slow_frame_is_drawn_on_the_worker_thread(background: BackgroundRender
         target.rects(np.array([[0, 0, 11, 11]]), np.array([[0, 200, 0]]), filled=True)
 
     background.draw(painter, camera, 10, corner)
-    assert (picture_of(painter) == (200, 0, 0)).all()
+    assert (pixels(painter) == (200, 0, 0)).all()
     background.wait()
     background.draw(painter, camera, 10, corner)
-    assert tuple(picture_of(painter)[5, 5]) == (0, 200, 0)
+    assert tuple(pixels(painter)[5, 5]) == (0, 200, 0)
     background.wait()
     camera.pan((-100, -50))  # the last picture goes with the camera, before there is a new one
     background.draw(painter, camera, 10, corner)
-    shown = picture_of(painter)
+    shown = pixels(painter)
     assert tuple(shown[105, 55]) == (0, 200, 0)
     assert tuple(shown[50, 20]) == GROUND
     camera.pan((100, 50))
@@ -246,7 +242,7 @@ def test_a_slow_frame_is_drawn_on_the_worker_thread(background: BackgroundRender
     background.wait()
     camera.zoom_at((0, 0), 4.0)
     background.draw(painter, camera, 10, corner)
-    assert tuple(picture_of(painter)[30, 30]) == (0, 200, 0)
+    assert tuple(pixels(painter)[30, 30]) == (0, 200, 0)
 
 
 def test_an_error_of_the_worker_thread_is_raised(background: BackgroundRenderer) -> None:
@@ -267,7 +263,7 @@ def test_few_particles_are_always_drawn_at_once() -> None:
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
     quick.draw(painter, camera, 100, lambda target, seer: time.sleep(2 * LONG))
     quick.draw(painter, camera, 100, lambda target, seer: target.fill((9, 9, 9)))
-    assert (picture_of(painter) == 9).all() and not quick.in_background
+    assert (pixels(painter) == 9).all() and not quick.in_background
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])
@@ -279,7 +275,7 @@ def test_a_window_on_many_particles_closes_at_any_time(open_gas, renderer) -> No
         window.frame(FRAME)
     window.background.wait()
     window.frame(FRAME)
-    assert picture_of(window.painter).std() > 1
+    assert pixels(window.painter).std() > 1
 
 
 EVERYTHING = ViewOptions(

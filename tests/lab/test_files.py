@@ -1,6 +1,5 @@
 """Scenes, pictures, tables, trajectories: written, read again, and refused where they are wrong."""
 
-import csv
 import json
 from dataclasses import asdict
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pygame
 import pytest
+from outputs import table
 
 import jostle
 from jostle_lab.draw.view_options import ColourBy, TreeView
@@ -268,17 +268,11 @@ def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None
         session.files.folder.glob("*.csv"), key=lambda path: -len(path.name)
     )
     assert session.message == f"Saved {positions}"
-    with positions.open() as file:
-        rows = list(csv.DictReader(file))
-    frame = session.frame
+    rows, sums, frame = table(positions), table(energies), session.frame
     assert list(rows[0]) == ["tag", "x", "y", "vx", "vy", "radius", "mass"]
-    table = np.array([[float(value) for value in row.values()] for row in rows], np.float32)
-    np.testing.assert_array_equal(table[:, 0], frame.tags)
-    np.testing.assert_array_equal(table[:, 1:3], frame.positions)
-    np.testing.assert_array_equal(table[:, 3:5], frame.velocities)
-    np.testing.assert_array_equal(table[:, 5:], np.stack([frame.radii, frame.masses], axis=1))
-    with energies.open() as file:
-        sums = list(csv.DictReader(file))
+    found = np.array([[float(value) for value in row.values()] for row in rows], np.float32)
+    columns = (frame.tags, frame.positions, frame.velocities, frame.radii, frame.masses)
+    np.testing.assert_array_equal(found, np.column_stack(columns))
     assert len(sums) == len(session.runner.statistics.sums) > 5
     assert {"time", "kinetic", "potential", "momentum_x"} <= set(sums[0])
     assert float(sums[-1]["kinetic"]) == session.runner.statistics.sums["kinetic"][-1]

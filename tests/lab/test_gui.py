@@ -6,11 +6,10 @@ import numpy as np
 import pygame
 import pytest
 from imgui_bundle import imgui
-from lab_overlays import open_screen
+from lab_overlays import open_screen, pixels
 
 from jostle_lab.draw import palette
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.screen import Screen
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.software import Shapes, coverage, outlines_of
 
@@ -43,7 +42,7 @@ class Panel:
         self.more()
         imgui.end()
         self.gui.end()
-        return pygame.surfarray.array3d(self.painter.canvas()).astype(int)
+        return pixels(self.painter)
 
     def post(self, kind: int, **what: object) -> bool:
         wanted = self.gui.handle(pygame.event.Event(kind, **what))
@@ -63,10 +62,14 @@ class Panel:
         self.frame()
 
 
-@pytest.fixture(params=["software", "opengl"])
+@pytest.fixture(params=[("software", 1), ("opengl", 1)], ids=str)
 def panel(request: pytest.FixtureRequest) -> Iterator[Panel]:
-    screen = open_screen(request.param, SIZE)
-    panel = Panel(screen.painter)
+    """Provide a panel of a renderer and a scale."""
+    renderer, scale = request.param
+    screen = open_screen(renderer, SIZE)
+    if scale > 1:
+        screen.painter.resize((scale * SIZE[0], scale * SIZE[1]))
+    panel = Panel(screen.painter, scale)
     for _ in range(2):
         panel.frame()
     yield panel
@@ -160,12 +163,9 @@ def test_panels_have_their_colours_and_text(panel: Panel) -> None:
     assert 0.01 < inked < 0.3
 
 
-def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(monkeypatch) -> None:
-    screen = Screen(SIZE, "software")
-    panel = Panel(screen.painter)
-    for _ in range(3):
-        before = panel.frame()
-    painted = []
+@pytest.mark.parametrize("panel", [("software", 1)], indirect=True)
+def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(panel, monkeypatch) -> None:
+    before, painted = panel.frame(), []
     draw = Shapes.draw
     monkeypatch.setattr(Shapes, "draw", lambda *what: painted.append(draw(*what)))
     assert (panel.frame() == before).all()
@@ -173,15 +173,10 @@ def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(monkeypatch)
     panel.mouse(pygame.MOUSEMOTION, panel.gui.marks["press"].center)
     assert (panel.frame() != before).any()
     assert painted
-    panel.gui.close()
-    screen.close()
 
 
-def test_twice_the_density_is_twice_the_size() -> None:
-    screen = Screen(SIZE, "software")
-    screen.painter.resize((800, 600))
-    panel = Panel(screen.painter, scale=2.0)
-    panel.frame()
+@pytest.mark.parametrize("panel", [("software", 2)], indirect=True)
+def test_twice_the_density_is_twice_the_size(panel: Panel) -> None:
     picture = panel.frame()
     rect = panel.gui.marks["press"]
     assert rect.left > 20 and rect.right < 200  # points
@@ -189,8 +184,6 @@ def test_twice_the_density_is_twice_the_size() -> None:
     assert tuple(picture[300, 400]) == pytest.approx(palette.PANEL[:3], abs=6)
     panel.click("press")
     assert panel.clicks == 1
-    panel.gui.close()
-    screen.close()
 
 
 def test_triangles_become_outlines_again() -> None:

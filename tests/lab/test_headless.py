@@ -42,17 +42,12 @@ def test_film_plays_and_has_a_frame_for_every_thirtieth_of_a_second(
     assert len(np.unique(pygame.surfarray.array2d(still))) > 50
 
 
-def test_film_of_nothing_and_of_one_step(tmp_path: Path, console) -> None:
-    film = make_film(start(Settings("pile", 0)), 1, tmp_path, console, SIZE)
-    assert film.frames == len(frames_of(film.video)) == 1
-
-
-def test_a_film_never_replaces_a_file(tmp_path: Path, console) -> None:
+def test_a_film_of_nothing_and_of_one_step_never_replaces_a_file(tmp_path: Path, console) -> None:
     (tmp_path / "pile.mp4").write_bytes(b"first")
     (tmp_path / "pile-2.png").write_bytes(b"second")
     film = make_film(start(Settings("pile", 0)), 1, tmp_path, console, SIZE)
     assert (film.video, film.still) == (tmp_path / "pile-3.mp4", tmp_path / "pile-3.png")
-    assert film.video.exists() and film.still.exists()
+    assert film.frames == len(frames_of(film.video)) == 1 and film.still.exists()
     assert (tmp_path / "pile.mp4").read_bytes() == b"first"
     assert (tmp_path / "pile-2.png").read_bytes() == b"second"
 

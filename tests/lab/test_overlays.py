@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pygame
 import pytest
-from lab_overlays import SIZE, Notes, camera_of_pixels, frame_of, touching_of
+from lab_overlays import SIZE, Notes, camera_of_pixels, frame_of, pixels, touching_of, tree_of
 
 import jostle
 from jostle_lab.draw import marks
@@ -16,12 +16,6 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, ViewOptions
 from jostle_lab.simulate.frame import Attractor, Frame
-
-
-def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:
-    return jostle.Nodes(
-        np.array(boxes, float), np.array(levels), np.array(counts), np.array(leaves, bool)
-    )
 
 
 def drawn(draw: Callable[..., str | None], frame: Frame) -> tuple[Notes, str | None]:
@@ -38,10 +32,6 @@ def crowd(most: int, impulses: float | None = None) -> Frame:
     strengths = () if impulses is None else rng.uniform(impulses, impulses + 1, many)
     normals = np.tile((1.0, 0.0), (many, 1))
     return frame_of(places, contacts=touching_of(pairs, normals, np.zeros(many), strengths))
-
-
-def pixels(painter: SoftwarePainter) -> np.ndarray:
-    return pygame.surfarray.array3d(painter.canvas()).astype(int)
 
 
 def test_heat_is_warmer_where_leaves_are_fuller() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
-from lab_overlays import SIZE, camera_of_pixels, frame_of, open_screen
+from lab_overlays import SIZE, camera_of_pixels, frame_of, open_screen, pixels, tree_of
 
 import jostle
 from jostle_lab.draw.base_layers import (
@@ -33,7 +33,7 @@ def draw(painter: Painter, frame: Frame, camera: Camera | None = None, shade: in
     camera = camera or camera_of_pixels()
     draw_container(painter, None, camera)
     draw_discs(painter, frame, np.full(len(frame), shade, np.uint8), camera)
-    return pygame.surfarray.array3d(painter.canvas()).astype(float)
+    return pixels(painter).astype(float)
 
 
 def covered_area(picture, shade: int = 20) -> float:
@@ -85,11 +85,11 @@ def test_a_fill_covers_everything_after_a_clip(painter) -> None:
     painter.clip(pygame.Rect(50, 60, 100, 80))
     painter.fill((200, 0, 0))
     painter.lines(np.array([[0.0, 0.0, 320.0, 240.0]]), np.array([[0, 200, 0]], np.uint8), 2.0)
-    inside = pygame.surfarray.array3d(painter.canvas())[50:150, 60:140]
+    inside = pixels(painter)[50:150, 60:140]
     assert inside.any(axis=2).all() and (inside[:, :, 1] > 100).any()
     painter.clip(None)
     painter.fill((0, 0, 200))
-    assert (pygame.surfarray.array3d(painter.canvas()) == (0, 0, 200)).all()
+    assert (pixels(painter) == (0, 0, 200)).all()
 
 
 def test_no_particles_no_ink(painter) -> None:
@@ -159,9 +159,7 @@ def test_walls_are_outlined(painter, container, edge, outside) -> None:
 
 def test_tree_is_coloured_by_level(painter) -> None:
     boxes = [(20, 20, 220, 220), (20, 20, 120, 120), (120, 20, 220, 120)]
-    tree = jostle.Nodes(
-        np.array(boxes, float), np.array([0, 1, 1]), np.ones(3, int), np.array([False, True, True])
-    )
+    tree = tree_of(boxes, [0, 1, 1], [1, 1, 1], [False, True, True])
     painter.fill(STAGE)
     draw_outline(painter, tree, camera_of_pixels())
     canvas = painter.canvas()
@@ -177,8 +175,7 @@ def test_tree_is_coloured_by_level(painter) -> None:
 
 def test_no_tree_is_no_trouble(painter) -> None:
     painter.fill((0, 0, 0))
-    none = np.empty(0, int)
-    tree = jostle.Nodes(np.empty((0, 4)), none, none, np.empty(0, bool))
+    tree = tree_of([], [], [], [])
     draw_outline(painter, tree, camera_of_pixels())
     draw_filled(painter, tree, camera_of_pixels())
-    assert not pygame.surfarray.array3d(painter.canvas()).any()
+    assert not pixels(painter).any()

@@ -19,8 +19,15 @@ FRAME = 1 / 60
 
 
 @pytest.fixture
-def open_wide(open_window: Callable[..., Window]) -> Callable[..., Window]:
-    return lambda settings, **options: open_window(settings, (1280, 720), **options)
+def open_race(open_window: Callable[..., Window]) -> Callable[..., Window]:
+    """Provide windows with the scene and the same scene by another method."""
+
+    def make(settings: Settings, method: str = "brute", **options: object) -> Window:
+        window = open_window(settings, (1280, 720), **options)
+        window.session.runner.toggle_race(method)
+        return window
+
+    return make
 
 
 def run(window: Window, frames: int) -> None:
@@ -41,8 +48,8 @@ def halves(window: Window) -> tuple[np.ndarray, np.ndarray]:
     return picture[edge - width + 2 : edge - 2, 120:600], picture[edge + 2 : end - 2, 120:600]
 
 
-def test_both_have_the_same_scene_and_stay_together_where_answers_are_the_same(open_wide) -> None:
-    window = open_wide(Settings("gas", 400, seed=3))
+def test_both_have_the_same_scene_and_stay_together_where_answers_are_the_same(open_window) -> None:
+    window = open_window(Settings("gas", 400, seed=3), (1280, 720))
     run_before = window.session.engine
     for _ in range(5):
         window.frame(FRAME)
@@ -61,9 +68,8 @@ def test_both_have_the_same_scene_and_stay_together_where_answers_are_the_same(o
     assert (left.frame.positions == right.frame.positions).all()
 
 
-def test_the_picture_has_two_halves_that_move_together(open_wide) -> None:
-    window = open_wide(Settings("gas", 200))
-    window.session.runner.toggle_race("brute")
+def test_the_picture_has_two_halves_that_move_together(open_race) -> None:
+    window = open_race(Settings("gas", 200))
     window.session.view_options.tree = TreeView.OFF
     window.session.runner.paused = True
     session = window.session
@@ -81,9 +87,8 @@ def test_the_picture_has_two_halves_that_move_together(open_wide) -> None:
         assert differing < 0.02  # but for places between two pixels
 
 
-def test_nothing_of_the_left_half_reaches_into_the_right_one(open_wide) -> None:
-    window = open_wide(Settings("gas", 200))
-    window.session.runner.toggle_race("brute")
+def test_nothing_of_the_left_half_reaches_into_the_right_one(open_race) -> None:
+    window = open_race(Settings("gas", 200))
     window.session.runner.paused = True
     window.session.camera.pan((-2_000, 0))  # both scenes far to the right
     window.frame(0.0)
@@ -91,9 +96,8 @@ def test_nothing_of_the_left_half_reaches_into_the_right_one(open_wide) -> None:
     assert len(np.unique(left.reshape(-1, 3), axis=0)) <= 2
 
 
-def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_wide) -> None:
-    window = open_wide(Settings("gas", 300), synchronous=False)
-    window.session.runner.toggle_race("article-quadtree")
+def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_race) -> None:
+    window = open_race(Settings("gas", 300), "article-quadtree", synchronous=False)
     window.session.runner.loader.wait()
     window.frame(0.0)
     right = window.session.runner.race.engine
@@ -110,10 +114,9 @@ def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_wide) -> 
         release()
 
 
-def test_the_race_ends_and_the_scene_goes_on_alone(open_wide) -> None:
-    window = open_wide(Settings("gas", 100))
+def test_the_race_ends_and_the_scene_goes_on_alone(open_race) -> None:
+    window = open_race(Settings("gas", 100))
     session = window.session
-    session.runner.toggle_race("brute")
     assert session.camera.columns == 2
     run(window, 3)
     session.runner.toggle_race("brute")
@@ -125,10 +128,9 @@ def test_the_race_ends_and_the_scene_goes_on_alone(open_wide) -> None:
     assert session.frame.stats.time > before
 
 
-def test_a_changed_setting_begins_both_anew(open_wide) -> None:
-    window = open_wide(Settings("gas", 100))
+def test_a_changed_setting_begins_both_anew(open_race) -> None:
+    window = open_race(Settings("gas", 100))
     session = window.session
-    session.runner.toggle_race("brute")
     run(window, 5)
     session.runner.adjust("restitution", 0.5)
     left, right = (contestant.engine for contestant in session.runner.race.contestants)
@@ -141,19 +143,17 @@ def test_a_changed_setting_begins_both_anew(open_wide) -> None:
     assert [(each.stats.time, each.steps) for each in contestants] == [(0, 0)] * 2
 
 
-def test_pause_and_single_steps_hold_for_both(open_wide) -> None:
-    window = open_wide(Settings("gas", 100))
+def test_pause_and_single_steps_hold_for_both(open_race) -> None:
+    window = open_race(Settings("gas", 100))
     session = window.session
-    session.runner.toggle_race("brute")
     session.runner.single_step()
     for _ in range(3):
         window.frame(FRAME)
     assert [contestant.steps for contestant in session.runner.race.contestants] == [1, 1]
 
 
-def test_a_race_of_the_article_looks_at_the_same_part_of_the_world(open_wide) -> None:
-    window = open_wide(Settings("orbit", 60))
-    window.session.runner.toggle_race("article-brute")
+def test_a_race_of_the_article_looks_at_the_same_part_of_the_world(open_race) -> None:
+    window = open_race(Settings("orbit", 60), "article-brute")
     window.session.runner.paused = True
     window.session.view_options.tree = TreeView.OFF
     window.frame(0.0)
@@ -192,19 +192,17 @@ def test_the_rules_of_the_article_lose_energy() -> None:
     assert 0 < right.frame().stats.kinetic_energy < 0.5 * before
 
 
-def test_what_cannot_race_is_refused_in_a_sentence(open_wide) -> None:
+def test_what_cannot_race_is_refused_in_a_sentence(open_race) -> None:
     assert "two methods" in racing.refusal("brute", "brute", 10)
     assert "30,000" in racing.refusal("quadtree", "brute", 30_001)
     assert racing.refusal("quadtree", "brute", 30_000) is None
     assert "1,500" in racing.refusal("article-brute", "quadtree", 2_000)
-    window = open_wide(Settings("gas", 100))
-    window.session.runner.toggle_race("quadtree")
+    window = open_race(Settings("gas", 100), "quadtree")
     assert window.session.runner.race is None and "two methods" in window.session.message
 
 
-def test_another_size_of_window_divides_it_anew(open_wide) -> None:
-    window = open_wide(Settings("gas", 100))
-    window.session.runner.toggle_race("brute")
+def test_another_size_of_window_divides_it_anew(open_race) -> None:
+    window = open_race(Settings("gas", 100))
     for size in [(900, 500), (1, 1), (1280, 720)]:
         pygame.display.set_mode(size, pygame.RESIZABLE)
         pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
@@ -213,8 +211,7 @@ def test_another_size_of_window_divides_it_anew(open_wide) -> None:
     assert (left != left[0, 0]).any() and (right != right[0, 0]).any()
 
 
-def test_b_does_not_end_a_race(open_wide) -> None:
-    window = open_wide(Settings("gas", 100))
-    window.session.runner.toggle_race()
+def test_b_does_not_end_a_race(open_race) -> None:
+    window = open_race(Settings("gas", 100))
     window.session.runner.switch_method()
     assert window.session.runner.race is not None and "Q ends" in window.session.message

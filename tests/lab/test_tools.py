@@ -20,6 +20,14 @@ from jostle_lab.simulate.start import start
 FOUR = [(100, 100), (200, 100), (100, 300), (600, 400)]
 
 
+def beside_a_wall(low: float = 50, high: float = 450) -> Driver:
+    """Draw a wall to the right of a disc; the tool for walls is chosen."""
+    driver = Driver(world_of([(200, 250)]))
+    driver.key(pygame.K_2)
+    driver.drag((400, low), (400, high))
+    return driver
+
+
 def test_a_box_selects_what_lies_in_it() -> None:
     driver = Driver(world_of(FOUR))
     driver.drag((50, 50), (250, 350))
@@ -72,9 +80,7 @@ def test_the_rubber_band_and_the_rings_are_drawn() -> None:
 
 
 def test_a_wall_that_is_drawn_stops_a_ball() -> None:
-    driver = Driver(world_of([(200, 250)]))
-    driver.key(pygame.K_2)
-    driver.drag((400, 50), (400, 450))
+    driver = beside_a_wall()
     assert driver.session.frame.walls[0] == pytest.approx(np.array([(400, 50), (400, 450)]), abs=2)
     driver.session.engine.edit(lambda simulation: simulation.change([0], velocities=(900, 0)))
     driver.frames(20)
@@ -82,9 +88,7 @@ def test_a_wall_that_is_drawn_stops_a_ball() -> None:
 
 
 def test_a_held_ball_is_not_pushed_through_a_wall_that_is_drawn() -> None:
-    driver = Driver(world_of([(200, 250)]))
-    driver.key(pygame.K_2)
-    driver.drag((400, 0), (400, 500))
+    driver = beside_a_wall(0, 500)
     driver.key(pygame.K_1)
     driver.down((200, 250))
     driver.point_at((700, 250))
@@ -94,9 +98,7 @@ def test_a_held_ball_is_not_pushed_through_a_wall_that_is_drawn() -> None:
 
 
 def test_drawn_walls_have_the_friction_of_their_slider() -> None:
-    driver = Driver(world_of([(200, 250)]))
-    driver.key(pygame.K_2)
-    driver.drag((400, 50), (400, 450))
+    driver = beside_a_wall()
     assert np.isnan(driver.world.wall_friction).all()  # that of the particles
     driver.session.runner.adjust("wall_friction", 0.75)
     driver.drag((50, 450), (300, 450))
@@ -116,9 +118,7 @@ def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> N
 
 
 def test_a_click_removes_the_wall_under_the_cursor_and_all_can_be_cleared() -> None:
-    driver = Driver(world_of([(200, 250)]))
-    driver.key(pygame.K_2)
-    driver.drag((400, 50), (400, 450))
+    driver = beside_a_wall()
     driver.drag((50, 450), (300, 450))
     driver.click((600, 250))
     assert len(driver.session.frame.walls) == 2

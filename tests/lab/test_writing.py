@@ -1,17 +1,14 @@
 """Files are whole: after an error the old file is as before, and nothing else is left."""
 
-import contextlib
 import os
-import resource
-import signal
 import stat
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pygame
 import pytest
 from machine import Results
+from signals import full_disk
 
 from jostle.writing import NewFile, append, write
 from jostle_lab.simulate.settings import Settings
@@ -22,22 +19,7 @@ from jostle_lab.sweep.table import Table
 from jostle_lab.tune.measure import Map, Setting
 from jostle_lab.tune.picture import draw
 
-MOST = 200  # bytes of a file on the disk that is full
-
-
-@contextlib.contextmanager
-def full_disk() -> Iterator[None]:
-    """Let no file become larger than `MOST`, as on a full disk."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    sys.dont_write_bytecode = True  # it would be truncated
-    resource.setrlimit(resource.RLIMIT_FSIZE, (MOST, limits[1]))
-    try:
-        yield
-    finally:
-        sys.dont_write_bytecode = False
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-        signal.signal(signal.SIGXFSZ, handler)
+MOST = 200  # bytes of a file on the full disk
 
 
 def picture(path: Path) -> None:

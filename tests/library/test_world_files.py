@@ -7,6 +7,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from signals import full_disk
 
 import jostle
 
@@ -84,19 +85,10 @@ def test_a_file_without_write_permission_is_unchanged(tmp_path: Path) -> None:
 
 
 def test_a_failed_save_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
-    resource = pytest.importorskip("resource")
-    signal = pytest.importorskip("signal")
     path = tmp_path / "world.jostle"
     path.write_text("old")
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
-    try:
-        with pytest.raises(OSError, match="large"):
-            small().save(path)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-        signal.signal(signal.SIGXFSZ, handler)
+    with full_disk(100), pytest.raises(OSError, match="large"):
+        small().save(path)
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["world.jostle"]
 

@@ -1,13 +1,12 @@
 """Programs started on several ranks: pairs, the example that films a scene, and the command."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mpi_ranks import HERE, needs_mpi, run_ranks
 from outputs import frames_of, rows
+from signals import printed_by
 
 import jostle
 
@@ -62,6 +61,6 @@ def test_ranks_write_the_rows_of_a_sweep_in_one_process(tmp_path: Path) -> None:
     options = ["gas", "-n", "60", "--set", "restitution=0.8:1.0:3", "--seeds", "2", "--steps", "20"]
     sweep = ["-m", "jostle_lab", "sweep", *options, "--out"]
     one, many = tmp_path / "one.csv", tmp_path / "ranks.csv"
-    subprocess.run([sys.executable, *sweep, one, "--workers", "1"], check=True)
+    printed_by(*sweep, one, "--workers", "1")
     run_ranks(3, *sweep, many)
     assert len(rows(many)) == 6 and rows(many) == rows(one)
