@@ -7,28 +7,18 @@ from pathlib import Path
 import numpy as np
 import pygame
 import pytest
+from lab_scenes import in_many_scenes
 from outputs import table
 
 import jostle
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Attractor
-from jostle_lab.simulate.settings import Group, Settings
+from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.storage import files
 from jostle_lab.storage.exports import new_path
-
-SCENES = [
-    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
-    Settings("emitters", 100),
-    Settings("springs", 100),
-    Settings("orbit", 100, on_touch="merge"),
-    Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
-    Settings("mixed", 40, method="brute"),
-    Settings("life", 50, matrix=((0.5, -1.0), (1.0, 0.0))),
-]
-NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
 @pytest.fixture
@@ -45,7 +35,7 @@ def save(session: Session, path: Path) -> None:
     session.files.scenes()[0].rename(path)
 
 
-@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+@in_many_scenes
 def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     simulation = start(settings)
     for _ in range(5):
@@ -143,7 +133,7 @@ def test_a_state_with_a_wrong_value_leaves_a_simulation_as_it_was(changes: dict)
     assert simulation.save() == before
 
 
-@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+@in_many_scenes
 def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, settings) -> None:
     first = Session(start(settings), (640, 360), synchronous=True)
     for _ in range(5):

@@ -6,22 +6,13 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from lab_scenes import in_many_scenes
 
 from jostle_lab.session import Session
 from jostle_lab.simulate.history import History
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-
-SCENES = [
-    Settings("gas", 300),
-    Settings("pile", 200),
-    Settings("emitters", 200),
-    Settings("orbit", 200),
-    Settings("springs", 200),
-    Settings("mixed", 60, method="brute"),
-]
-NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
 def fingerprint(session: Session) -> object:
@@ -50,7 +41,7 @@ def run(session: Session, steps: int) -> list[object]:
 
 
 @pytest.mark.parametrize("stride", [1, 8])
-@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+@in_many_scenes
 def test_scrubbing_shows_the_same_states(settings: Settings, stride: int) -> None:
     session = session_of(settings, stride)
     prints = run(session, 20)
@@ -63,7 +54,7 @@ def test_scrubbing_shows_the_same_states(settings: Settings, stride: int) -> Non
     assert fingerprint(session) == prints[0]
 
 
-@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+@in_many_scenes
 def test_stepping_back_and_on_again_is_the_same_way(settings: Settings) -> None:
     session = session_of(settings, stride=4)
     prints = run(session, 11)

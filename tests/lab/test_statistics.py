@@ -149,8 +149,7 @@ def test_times_have_a_row_a_frame() -> None:
 def test_sums_are_asked_for_ten_times_a_second_at_most(open_session) -> None:
     session, asked = open_session("gas", 100), 0
     for _ in range(60):
-        session.messages.now += FRAME
-        session.advance(FRAME)
+        run(session, FRAME)
         asked += session.engine.request.energies
     assert 5 <= asked <= 11
 
@@ -197,8 +196,7 @@ def test_lines_are_renewed_by_turns_a_part_a_frame(open_session) -> None:
     traces, renewed = session.traces, []
     for k in range(120):
         before = [traces.frames.copy(), traces.stats, traces.energies, traces.momenta]
-        session.messages.now += FRAME
-        session.advance(FRAME)
+        run(session, FRAME)
         traces.refresh(session.frame, session.messages.now)
         after = [traces.frames, traces.stats, traces.energies, traces.momenta]
         changed = [not np.array_equal(old, new) for old, new in zip(before, after, strict=True)]

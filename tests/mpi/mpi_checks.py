@@ -193,11 +193,9 @@ def refuse(call: Callable[[], Any], message: str) -> None:
         raise AssertionError(message)
 
 
-def fail_by_the_last_rank(
-    call: Callable[[], Any], kind: type[BaseException], message: str, ranks: MPI.Comm | None = None
-) -> None:
+def fail_by_the_last_rank(call: Callable[[], Any], kind: type[BaseException], message: str) -> None:
     """The last rank raises its own error, and the others one that says so."""
-    ranks = ranks or comm()
+    ranks = comm()
     last = ranks.size - 1
     try:
         call()

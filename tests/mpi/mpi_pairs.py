@@ -1,17 +1,16 @@
 """A program of test_mpi_programs: compares the pairs of all ranks with those of one process."""
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 from mpi4py import MPI
 from mpi_checks import fail_by_the_last_rank
-from mpi_groups import ALL, on_each_number_of_ranks, run
+from mpi_groups import on_each_number_of_ranks, run
+from mpi_worlds import Distribution, comm, evenly, on_last, parts, use
 
 import jostle
 import jostle.mpi
 
-COMM = ALL  # of the present group
 RNG = np.random.default_rng(5)
 
 Shapes = dict[str, np.ndarray]
@@ -21,35 +20,27 @@ def discs(n: int, side: float = 30.0) -> Shapes:
     return {"positions": RNG.uniform(0, side, (n, 2)), "radii": RNG.uniform(0.2, 1.0, n)}
 
 
-def split(rows: Shapes, where: Callable[[np.ndarray], np.ndarray]) -> Shapes:
-    """This rank's share; `where` gives the rank of each row, in ascending order."""
-    count = len(rows["positions"])
-    mine = where(np.arange(count) * COMM.size // max(count, 1)) == COMM.rank
+def split(rows: Shapes, where: Distribution) -> Shapes:
+    """This rank's share."""
+    mine = parts(len(rows["positions"]), where)
     return {name: column[mine] for name, column in rows.items()}
 
 
-def evenly(ranks: np.ndarray) -> np.ndarray:
-    return ranks
-
-
-def on_last(ranks: np.ndarray) -> np.ndarray:
-    return np.full_like(ranks, COMM.size - 1)
-
-
-def check(rows: Shapes, where: Callable[[np.ndarray], np.ndarray] = evenly, **options) -> None:
+def check(rows: Shapes, where: Distribution = evenly, **options) -> None:
     expected = jostle.find_pairs(**rows, **options, sort=True)
     share = split(rows, where)
-    found = jostle.mpi.find_pairs(COMM, **share, **options, sort=True)
+    found = jostle.mpi.find_pairs(comm(), **share, **options, sort=True)
     assert found.dtype == np.int64 and found.shape[1:] == (2,)
     assert np.array_equal(found, found[np.lexsort((found[:, 1], found[:, 0]))])
-    everything = np.concatenate(COMM.allgather(found))
+    everything = np.concatenate(comm().allgather(found))
     everything = everything[np.lexsort((everything[:, 1], everything[:, 0]))]
     assert np.array_equal(everything, expected), (len(everything), len(expected))
 
 
-def check_all(comm: MPI.Comm) -> None:
-    global COMM, RNG
-    COMM, RNG = comm, np.random.default_rng(5)
+def check_all(ranks: MPI.Intracomm) -> None:
+    global RNG
+    RNG = np.random.default_rng(5)
+    use(ranks)
     check(discs(3000))
     check(discs(3000), on_last)
     check(discs(3000), distance=0.7)
@@ -111,15 +102,15 @@ def check_all(comm: MPI.Comm) -> None:
     points = split({"positions": RNG.uniform(0, 20, (500, 2)).astype(np.float32)}, evenly)[
         "positions"
     ]
-    found = jostle.mpi.find_pairs(COMM, points, 0.3, (0.2, 0.1))
-    whole = np.concatenate(COMM.allgather(points))
-    assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(whole, 0.3, (0.2, 0.1)))
+    found = jostle.mpi.find_pairs(comm(), points, 0.3, (0.2, 0.1))
+    whole = np.concatenate(comm().allgather(points))
+    assert sum(comm().allgather(len(found))) == len(jostle.find_pairs(whole, 0.3, (0.2, 0.1)))
     # Plain lists, and an empty share, whose half sizes have no rows.
     boxes = discs(40, 8.0) | {"half_sizes": RNG.uniform(0.1, 0.8, (40, 2))}
-    share = split(boxes, lambda ranks: np.minimum(ranks, max(COMM.size - 2, 0)))
+    share = split(boxes, lambda n: np.minimum(evenly(n), max(comm().size - 2, 0)))
     share = {name: column.tolist() for name, column in share.items()}
-    found = jostle.mpi.find_pairs(COMM, **share)
-    assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(**boxes))
+    found = jostle.mpi.find_pairs(comm(), **share)
+    assert sum(comm().allgather(len(found))) == len(jostle.find_pairs(**boxes))
     check_shares()
     check_errors()
 
@@ -130,16 +121,16 @@ def check_shares() -> None:
     for far in ((40.0, 40.0), (1e12, -1e11), (-1e300, 1e-300)):
         if len(share["positions"]):
             share["positions"][1234] = far
-        counts = COMM.allgather(len(jostle.mpi.find_pairs(COMM, **share)))
-        assert max(counts) < 2 * sum(counts) / COMM.size + 10, (far, counts)
+        counts = comm().allgather(len(jostle.mpi.find_pairs(comm(), **share)))
+        assert max(counts) < 2 * sum(counts) / comm().size + 10, (far, counts)
 
 
 def check_errors() -> None:
     radii = np.ones(4)
-    if COMM.rank == COMM.size - 1:
+    if comm().rank == comm().size - 1:
         radii[2] = -0.5
-    find = partial(jostle.mpi.find_pairs, COMM, np.zeros((4, 2)), radii)
-    fail_by_the_last_rank(find, ValueError, "radii[2] is -0.5", COMM)
+    find = partial(jostle.mpi.find_pairs, comm(), np.zeros((4, 2)), radii)
+    fail_by_the_last_rank(find, ValueError, "radii[2] is -0.5")
 
 
 run(lambda: on_each_number_of_ranks(check_all), "all pairs are right")
