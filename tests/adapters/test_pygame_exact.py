@@ -56,11 +56,8 @@ def circles_without_radius(draw: random.Random, ratio: float) -> Pair:
 
 
 def some_circles(ratio: float) -> Callable[[random.Random], Pair]:
-    def make(draw: random.Random) -> Pair:
-        ways = (circles_with_radius, circles_with_radius, circles_without_radius)
-        return draw.choice(ways)(draw, ratio)
-
-    return make
+    ways = (circles_with_radius, circles_with_radius, circles_without_radius)
+    return lambda draw: draw.choice(ways)(draw, ratio)
 
 
 def some_rects(ratio: float) -> Callable[[random.Random], Pair]:

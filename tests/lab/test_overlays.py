@@ -223,14 +223,17 @@ def test_walls_are_asked_for_again_when_they_have_moved() -> None:
         assert len(notes.lines_drawn()) == count
 
 
+def trails(path: Trails, frame: Frame) -> tuple[Notes, str | None]:
+    shades = np.full(len(frame), 12, np.uint8)
+    return drawn(lambda notes, frame, camera: path.draw(notes, frame, shades, camera), frame)
+
+
 def walk(path: Trails, steps: int, *, tags=(0, 1), begin: int = 0) -> Notes:
     """Two particles that go to the right; return what the last picture draws."""
-    notes = Notes()
     for step in range(begin, begin + steps):
         places = [(20 + 2 * step, 50 + 40 * k) for k in range(len(tags))]
         frame = frame_of(places, 2.0, time=step / 30, tags=tags)
-        notes = Notes()
-        path.draw(notes, frame, np.full(len(tags), 12, np.uint8), camera_of_pixels())
+        notes, _ = trails(path, frame)
     return notes
 
 
@@ -249,13 +252,11 @@ def test_trails_rest_in_a_pause_and_can_be_cleared() -> None:
     frame = frame_of([(80, 50), (80, 90)], 2.0, time=1.0)
     counts = []
     for _ in range(50):
-        notes = Notes()
-        path.draw(notes, frame, np.zeros(2, np.uint8), camera_of_pixels())
+        notes, _ = trails(path, frame)
         counts.append(len(notes.lines_drawn()))
     assert counts[0] == counts[-1] > 0
     path.clear()
-    notes = Notes()
-    path.draw(notes, frame, np.zeros(2, np.uint8), camera_of_pixels())
+    notes, _ = trails(path, frame)
     assert all(x0 == x1 and y0 == y1 for x0, y0, x1, y1 in notes.lines_drawn())
 
 
@@ -270,8 +271,7 @@ def test_a_trail_follows_its_particle_when_rows_move_up() -> None:
 
 def test_trails_show_as_many_as_are_cheap() -> None:
     places = np.random.default_rng(2).uniform(10, 230, (1_000, 2))
-    path, notes = Trails(), Notes()
-    said = path.draw(notes, frame_of(places), np.zeros(1_000, np.uint8), camera_of_pixels())
+    _, said = trails(Trails(), frame_of(places))
     assert said == f"trails: {marks.MOST_TRAILS:,} of 1,000 shown"
 
 

@@ -29,12 +29,6 @@ def pairs_of(shapes: list[Any], overlap: Callable[[Any, Any], bool]) -> list[lis
     return [[i, j] for i in rows for j in rows[i + 1 :] if overlap(shapes[i], shapes[j])]
 
 
-def exact_pairs(boxes: NDArray[Any]) -> list[list[int]]:
-    """Pairs of rows whose open interiors overlap, by comparing exact fractions."""
-    rows = [[Fraction(float(v)) for v in row] for row in boxes]
-    return pairs_of(rows, lambda a, b: all(a[k] < b[k + 2] and b[k] < a[k + 2] for k in (0, 1)))
-
-
 class Shape(NamedTuple):
     """A rounded box in exact numbers."""
 
@@ -125,7 +119,7 @@ def test_each_point_is_in_one_tile(dtype: Any) -> None:
 @settings(max_examples=50, deadline=None)
 @given(boxes(), st.integers(1, 8))
 def test_pairs_are_those_of_exact_comparison(rows: NDArray[Any], leaf_capacity: int) -> None:
-    expected = exact_pairs(rows)
+    expected = pairs_of(boxes_of(rows, 0), overlap)
     for method in METHODS:
         assert by_row(jostle.find_pairs(boxes=rows, method=method)) == expected
     tree = jostle.Quadtree(boxes=rows, leaf_capacity=leaf_capacity)
