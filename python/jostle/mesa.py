@@ -135,7 +135,7 @@ class ContinuousSpace(_MesaSpace):
 
     See Also
     --------
-    jostle.Space : the shapes and queries on which it is based
+    jostle.Space : Has the shapes and answers the queries.
     """
 
     def __init__(

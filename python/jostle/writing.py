@@ -1,5 +1,7 @@
-"""Writing of files: a new file replaces an old one when it is complete, and after an error neither
-is there in part."""
+"""Writing of files: a new file replaces an old one when it is complete.
+
+After an error the old file is as it was, and no part of the new one is left.
+"""
 
 from __future__ import annotations
 
@@ -64,6 +66,7 @@ class NewFile:
 
 
 def _create_beside(target: Path) -> Path:
+    """Create an empty hidden file in the folder of another; return its path."""
     for number in count():
         path = target.with_name(f".jostle.{os.getpid()}.{number}.part")
         with contextlib.suppress(FileExistsError):

@@ -9,14 +9,18 @@ from numpy.typing import NDArray
 Value = TypeVar("Value")
 
 
-class Setting(Generic[Value]):
-    """An attribute of `World` that is a setting of its core. To assign it is a collective call."""
+class Attribute:
+    """An attribute of `World` with a docstring, named as that of the core."""
 
     def __init__(self, doc: str) -> None:
         self.__doc__ = doc
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
+
+
+class Setting(Attribute, Generic[Value]):
+    """A setting of the core. To assign it is a collective call."""
 
     @overload
     def __get__(self, world: None, owner: type) -> Setting[Value]: ...
@@ -32,14 +36,8 @@ class Setting(Generic[Value]):
         world._assign(self._name, value)
 
 
-class Column:
-    """An attribute of `World` that is a column of its core, without the rows of ghosts."""
-
-    def __init__(self, doc: str) -> None:
-        self.__doc__ = doc
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._name = name
+class Column(Attribute):
+    """A column of the core, without the rows of ghosts."""
 
     @overload
     def __get__(self, world: None, owner: type) -> Column: ...

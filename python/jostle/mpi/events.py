@@ -48,12 +48,12 @@ def new_ids(
     there[own] = True
     comm.Allreduce(MPI.IN_PLACE, there, op=MPI.LOR)
     new = np.where(there, np.arange(end), -1)
-    old, heirs = merged.T
+    old, successors = merged.T
     following = np.arange(end)
-    following[old] = heirs
+    following[old] = successors
     # A particle with which another merged may itself have merged later, on another rank.
-    while not np.array_equal(heirs, following[heirs]):
-        heirs = following[heirs]
-    new[old] = new[heirs]
+    while not np.array_equal(successors, following[successors]):
+        successors = following[successors]
+    new[old] = new[successors]
     new.setflags(write=False)
     return new

@@ -159,7 +159,7 @@ class _Share:
         positions, radii, half_sizes = self.given
         if len(self.centers) == 0:
             positions = np.zeros((0, 2))
-        # One shape cannot tell a wrong length, so all are given; brute force of none is free.
+        # The tree checks the columns of all shapes. The search, of none, checks the distance.
         jostle.Quadtree(positions, radii, half_sizes, period=period, **self.bits)
         jostle.find_pairs(np.zeros((0, 2)), distance=distance, period=period)
 
@@ -199,7 +199,7 @@ class _Share:
 def _numbers(name: str, given: ArrayLike) -> NDArray[Any]:
     array = np.asarray(given)
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} must be numbers, not {array.dtype}")
+        raise TypeError(f"{name} must hold real numbers, not {array.dtype}")
     return array
 
 

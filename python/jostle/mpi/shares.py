@@ -35,20 +35,14 @@ class Scale:
     """
 
     def __init__(self, comm: MPI.Intracomm, numbers: NDArray[np.float64]) -> None:
-        count = max(_TOGETHER // comm.size, _FEWEST)
-        sample = np.full(count, np.nan)
-        if len(numbers):
-            sample = _evenly(numbers, count)
-        samples = from_all(comm, sample).reshape(-1)
-        weights = np.repeat(from_all(comm, np.array([len(numbers)])).reshape(-1), count)
-        order = np.argsort(samples, kind="stable")[: np.count_nonzero(~np.isnan(samples))]
-        before = np.cumsum(weights[order]).astype(np.float64)
+        samples, weights = _samples(comm, numbers, max(_TOGETHER // comm.size, _FEWEST))
         #: The quantiles, ascending.
         self.edges = np.zeros(1)
-        if len(order):
+        if len(samples):
+            before = np.cumsum(weights).astype(np.float64)
             wanted = before[0] + (before[-1] - before[0]) * np.linspace(0, 1, _QUANTILES + 1)
-            at = np.searchsorted(before, wanted).clip(0, len(order) - 1)
-            self.edges = np.unique(samples[order[at]])
+            at = np.searchsorted(before, wanted).clip(0, len(samples) - 1)
+            self.edges = np.unique(samples[at])
 
     def shares(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         """The share of each coordinate."""
@@ -57,6 +51,21 @@ class Scale:
             numbers * 0.25, self.edges * 0.25, np.linspace(0, 1, len(self.edges))
         )
         return shares
+
+
+def _samples(
+    comm: MPI.Intracomm, numbers: NDArray[Any], count: int
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Ascending samples of the numbers of all ranks, `count` of each rank that has any.
+
+    The weight of each sample is the number of rows of its rank.
+    """
+    sample = _evenly(numbers, count) if len(numbers) else np.zeros(count, numbers.dtype)
+    samples = from_all(comm, sample).reshape(-1)
+    weights = np.repeat(from_all(comm, np.array([len(numbers)], np.int64)).reshape(-1), count)
+    samples, weights = samples[weights > 0], weights[weights > 0]
+    order = np.argsort(samples, kind="stable")
+    return samples[order], weights[order]
 
 
 def _evenly(numbers: NDArray[Any], count: int) -> NDArray[Any]:
@@ -88,15 +97,12 @@ def _spread(bits: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def cuts(comm: MPI.Intracomm, keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """The first keys of the ranges of all ranks but the first; all get about as many rows."""
-    sample = np.full(_SAMPLES, -1, np.int64)
-    if len(keys):
-        sample = _evenly(keys, _SAMPLES)
-    samples = from_all(comm, sample).reshape(-1)
-    weights = np.repeat(from_all(comm, np.array([len(keys)], np.int64)), _SAMPLES)
-    order = np.argsort(samples, kind="stable")
-    before = np.cumsum(weights[order])
+    samples, weights = _samples(comm, keys, _SAMPLES)
+    if len(samples) == 0:
+        return np.zeros(comm.size - 1, np.int64)
+    before = np.cumsum(weights)
     wanted = before[-1] * np.arange(1, comm.size) / comm.size
-    first: NDArray[np.int64] = samples[order[np.searchsorted(before, wanted)]]
+    first: NDArray[np.int64] = samples[np.searchsorted(before, wanted)]
     return first
 
 

@@ -161,8 +161,8 @@ class WorldStats(Result):
     tests : int
         Pairs of particles that were tested.
     unresolved : int
-        Particles that had so many collisions in a part of the step that they stayed with what
-        pressed them until its end.
+        Particles with so many collisions in a part of the step that their contacts were solved
+        together, without restitution, until its end.
     substeps : int
         Sub-steps of the step; 0 before the first step and where all particles sleep.
     collapsed : int
