@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 
 import imageio_ffmpeg
@@ -159,11 +160,9 @@ def test_a_stop_reaches_its_state(name: str, monkeypatch) -> None:
         usual = settings.n or jostle.scenes.default_count(settings.scene)
         settings = replace(settings, n=min(usual, 200))
     window = Window(start(settings), (1280, 720), renderer="software", synchronous=True)
-    try:
+    with closing(window):
         stop(name).script(ScriptedUser(window))
         assert ENDS[name](window.session)
-    finally:
-        window.close()
 
 
 def test_pictures_have_no_times_of_frames(tmp_path, monkeypatch) -> None:

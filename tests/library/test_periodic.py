@@ -49,25 +49,17 @@ def sides(tree: jostle.Quadtree) -> tuple[NDArray[Any], NDArray[Any], NDArray[An
 def gaps(tree: jostle.Quadtree, period: tuple[float, float]) -> NDArray[Any]:
     """Return the gap of each shape (row) to each other (column) along each axis."""
     low, high, half = sides(tree)
-    centers = tree.positions
-    result = np.empty((len(tree), len(tree), 2), low.dtype)
+    centers, side = tree.positions, np.array(period, low.dtype)
 
-    def between(a: Any, b: Any, axis: int) -> Any:
-        gap = np.maximum(b[0][:, axis] - a[1][:, axis], a[0][:, axis] - b[1][:, axis])
-        return gap - (half[i, axis] + half[j, axis])
+    def lowered(a: Any, b: Any) -> Any:
+        """Gaps where each row is lower by `a`, and each column by `b`."""
+        rows, columns = (low - a, high - a), (low - b, high - b)
+        gap = np.maximum(columns[0][None] - rows[1][:, None], rows[0][:, None] - columns[1][None])
+        return gap - (half[:, None] + half[None])
 
-    i, j = np.divmod(np.arange(len(tree) ** 2), max(len(tree), 1))
-    for axis in range(2):
-        a, b = (low[i], high[i]), (low[j], high[j])
-        gap = between(a, b, axis)
-        side = low.dtype.type(period[axis])
-        if side:
-            lowered = between((a[0] - side, a[1] - side), b, axis)
-            other = between(a, (b[0] - side, b[1] - side), axis)
-            first = centers[i, axis] >= centers[j, axis]
-            gap = np.minimum(gap, np.where(first, lowered, other))
-        result[i, j, axis] = gap
-    return result
+    is_row_above = centers[:, None] >= centers[None]
+    images = np.where(is_row_above, lowered(side, 0), lowered(0, side))
+    return np.where(side > 0, np.minimum(lowered(0, 0), images), lowered(0, 0))
 
 
 @settings(max_examples=150)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from mpi_checks import fail_by_the_last_rank, refuse
+from mpi_checks import InPlaceOf, fail_by_the_last_rank, refuse
 from mpi_worlds import comm, evenly, gas, scattered
 
 import jostle
@@ -39,14 +39,8 @@ def test_pressed() -> None:
 def test_signals() -> None:
     """A signal handler that raises on one rank raises on all, after the call."""
 
-    class Interrupted:
+    class Interrupted(InPlaceOf):
         """A core that is interrupted by a signal when its particles are read."""
-
-        def __init__(self, core: Any) -> None:
-            self._of = core
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self._of, name)
 
         def _own_records(self) -> bytes:
             signal.raise_signal(signal.SIGUSR1)

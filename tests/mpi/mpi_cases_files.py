@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from mpi_checks import check, check_asleep, check_saved, fail_by_the_last_rank, refuse
+from mpi_checks import InPlaceOf, check, check_asleep, check_saved, fail_by_the_last_rank, refuse
 from mpi_worlds import REST, comm, evenly, gas, scattered, sleepers, unevenly, up_to, with_folder
 
 import jostle
@@ -76,27 +76,18 @@ def check_failed_writing(folder: Path) -> None:
     refuse(lambda: ours.save(folder / "no" / "where"), "no")
     storage, last = jostle.mpi.storage, comm().rank == comm().size - 1
 
-    class Full:
+    class Full(InPlaceOf):
         """A file on a disk that is full for the last rank."""
-
-        def __init__(self, file: MPI.File) -> None:
-            self._file = file
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self._file, name)
 
         def Write_at(self, *arguments: Any) -> None:
             if last:
                 raise MPI.Exception(MPI.ERR_NO_SPACE)
-            self._file.Write_at(*arguments)
+            self._of.Write_at(*arguments)
 
-    class Files:
+    class Files(InPlaceOf):
         File = type("File", (), {"Open": lambda *of: Full(MPI.File.Open(*of))})
 
-        def __getattr__(self, name: str) -> Any:
-            return getattr(MPI, name)
-
-    storage.MPI = Files()
+    storage.MPI = Files(MPI)
     try:
         fail_by_the_last_rank(lambda: ours.save(path), OSError, "world")
     finally:

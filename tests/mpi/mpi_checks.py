@@ -183,6 +183,16 @@ def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: 
     assert path.with_name(f"{comm().rank}").read_bytes() == whole
 
 
+class InPlaceOf:
+    """Has the attributes of another object, but those that a derived class has."""
+
+    def __init__(self, of: Any) -> None:
+        self._of = of
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._of, name)
+
+
 def refuse(call: Callable[[], Any], message: str) -> None:
     """All ranks raise, with this message or that of the rank that has it."""
     try:
