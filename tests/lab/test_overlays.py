@@ -100,17 +100,9 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
     frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, contacts=pairs)
     notes, said = drawn(marks.draw_force_chains, frame)
     assert said is None
-    lines = [
-        (*v[0][k], v[2])
-        for name, v, _ in notes.strokes
-        if name == "lines"
-        for k in range(len(v[0]))
-    ]
-    np.testing.assert_allclose(
-        [line[:4] for line in lines],
-        [(120, 100, 140, 100), (140, 100, 150, 100), (100, 100, 120, 100)],
-    )
-    widths = [line[4] for line in lines]
+    expected = [(120, 100, 140, 100), (140, 100, 150, 100), (100, 100, 120, 100)]
+    np.testing.assert_allclose(notes.lines_drawn(), expected)
+    widths = [v[2] for name, v, _ in notes.strokes if name == "lines" for _ in v[0]]
     assert widths == sorted(widths) and widths[-1] > widths[0]
     brightness = notes.colours_drawn().astype(int).sum(axis=1)
     assert (np.diff(brightness) > 0).all()

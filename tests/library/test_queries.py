@@ -1,6 +1,7 @@
 """The queries of `jostle.Quadtree`: regions, neighbours, rays and moving discs."""
 
 import re
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -62,15 +63,15 @@ def selected(cores: Cores, categories: NDArray[Any] | None, mask: int | None) ->
     return (of & np.uint32(mask)) != 0
 
 
-def assert_hits(one: Any, many: Any, questions: Any, expected: list[NDArray[np.bool_]]) -> None:
+def assert_hits(query: Any, expected: list[NDArray[np.bool_]], *questions: NDArray[Any]) -> None:
     """Compare the answers of single queries and of all in one call."""
-    hits = many(questions)
+    hits = query(*questions)
     assert isinstance(hits, jostle.IdLists)
     assert hits.offsets[0] == 0 and hits.offsets[-1] == len(hits.ids)
     for q, hit in enumerate(expected):
         ids = np.flatnonzero(hit)
         np.testing.assert_array_equal(hits[q], ids)
-        np.testing.assert_array_equal(one(q), ids)
+        np.testing.assert_array_equal(query(*(column[q] for column in questions)), ids)
 
 
 @given(searches(), st.lists(st.tuples(sizes, sizes), min_size=6, max_size=6))
@@ -80,8 +81,7 @@ def test_query_rect(search: Any, spans: Any) -> None:
     rects = np.hstack([points, points + spans])
     ours = selected(cores, categories, mask)
     expected = [oracle.in_rect(cores, rect) & ours for rect in rects]
-    query = lambda rects: tree.query_rect(rects, mask=mask)  # noqa: E731
-    assert_hits(lambda q: query(rects[q]), query, rects, expected)
+    assert_hits(partial(tree.query_rect, mask=mask), expected, rects)
 
 
 @given(searches(), st.lists(sizes, min_size=6, max_size=6))
@@ -90,9 +90,7 @@ def test_query_circle(search: Any, radii: Any) -> None:
     radii = np.array(radii[: len(points)], np.float64).astype(points.dtype)
     ours = selected(cores, categories, mask)
     expected = [oracle.in_circle(cores, *disc) & ours for disc in zip(points, radii, strict=True)]
-    query = lambda points, radii: tree.query_circle(points, radii, mask=mask)  # noqa: E731
-    one = lambda q: query(points[q], radii[q])  # noqa: E731
-    assert_hits(one, lambda points: query(points, radii), points, expected)
+    assert_hits(partial(tree.query_circle, mask=mask), expected, points, radii)
 
 
 @given(searches())
@@ -100,8 +98,7 @@ def test_query_point(search: Any) -> None:
     cores, categories, mask, points, tree = search
     ours = selected(cores, categories, mask)
     expected = [oracle.at_point(cores, point) & ours for point in points]
-    query = lambda points: tree.query_point(points, mask=mask)  # noqa: E731
-    assert_hits(lambda q: query(points[q]), query, points, expected)
+    assert_hits(partial(tree.query_point, mask=mask), expected, points)
 
 
 @pytest.mark.parametrize("dtype", DTYPES)

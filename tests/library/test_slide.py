@@ -11,6 +11,8 @@ import jostle
 WALL, WALKER, LEDGE = 1, 2, 4
 # Radius and half size of walkers, in units of their size.
 SHAPES = {"disc": (1.0, 0.0), "box": (0.0, 1.0), "rounded": (0.4, 0.6)}
+# Radii and half sizes of one walker of each kind.
+ONE_OF_EACH = [(1.0, (0, 0)), (0.0, (0.7, 0.4)), (0.3, (0.2, 0.5))]
 
 
 def pairs_of(space: jostle.Space, ids) -> set:
@@ -530,8 +532,7 @@ def test_nothing_leaves_a_room_that_moves(seed: int, dtype: str, is_one_call: bo
     space = jostle.Space(dtype=dtype)
     sides = [(-12, -12, -10, 12), (10, -12, 12, 12), (-12, -12, 12, -10), (-12, 10, 12, 12)]
     walls = space.add(boxes=sides, categories=WALL)
-    shapes = [(1.0, (0, 0)), (0.0, (0.7, 0.4)), (0.3, (0.2, 0.5))]
-    ids = [space.add((0, 0), *shape, categories=WALKER) for shape in shapes]
+    ids = [space.add((0, 0), *shape, categories=WALKER) for shape in ONE_OF_EACH]
     for _ in range(15):
         by = rng.normal(0, 1, 2) * 10 ** rng.uniform(-3, 3.3)
         steps = rng.normal(0, 1, (3, 2)) * 10 ** rng.uniform(-3, 3)
@@ -797,17 +798,15 @@ def test_nothing_leaves_a_polygon_of_walls(seed: int, dtype: str) -> None:
     space = jostle.Space(dtype=dtype)
     space.walls = jostle.polyline(outline, closed=True)
     walls = space.walls.astype(float)
-    shapes = [(1.0, (0, 0)), (0.0, (0.7, 0.4)), (0.3, (0.2, 0.5))]
-    ids = [space.add(np.zeros(2), radius, half) for radius, half in shapes]
+    ids = [space.add(np.zeros(2), *shape) for shape in ONE_OF_EACH]
     masks = [1 << k for k in range(3)]
     space.set(ids, masks=masks, categories=masks)
     along = walls[:, 1] - walls[:, 0]
     for _ in range(40):
         steps = rng.normal(0, 1, (3, 2)) * 10 ** rng.uniform(-3, 9)
         space.move_and_slide(ids, steps, up=[(0, 0), (0, -1)][int(rng.integers(2))])
-        for (radius, half), center in zip(
-            shapes, space.get(ids).positions.astype(float), strict=True
-        ):
+        centers = space.get(ids).positions.astype(float)
+        for (radius, half), center in zip(ONE_OF_EACH, centers, strict=True):
             away = center - walls[:, 0]
             cross = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
             distance = np.abs(cross) / np.linalg.norm(along, axis=1)
