@@ -321,7 +321,9 @@ def hash_records(hash: int, records: bytes, part: int) -> int:
 def record_fields() -> list[tuple[str, str]]:
     """The fields of a record after the id, as NumPy writes them. For `jostle.mpi`."""
 
-def restore_events(entered: _Pairs, stayed: _Pairs, exited: _Pairs) -> Events:
+def restore_events(
+    entered: _Pairs, stayed: _Pairs, exited: _Pairs, categories: tuple[Any, ...]
+) -> Events:
     """Events with these pairs. For pickle."""
 
 def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space:
@@ -1398,7 +1400,7 @@ class Quadtree(_Queries):
             Whether to sort the contacts by the first, then by the second shape of the pair. If
             False, they come in the order of :meth:`pairs`.
         max_pairs : int, default 134217728
-            Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
+            Maximum number of pairs to return. Each takes 80 bytes, in float32 52, and about as
             much during the search; memory is allocated only for the pairs that are found.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
@@ -1406,7 +1408,7 @@ class Quadtree(_Queries):
         Returns
         -------
         Contacts
-            Three arrays:
+            Five arrays:
 
             pairs : ndarray of int64, shape (m, 2)
                 As from :meth:`pairs`: row numbers i and j.
@@ -1416,6 +1418,11 @@ class Quadtree(_Queries):
             depths : ndarray of the tree's dtype, shape (m,)
                 Penetration: the distance that j must move along the normal until the two only
                 touch.
+            points : ndarray of the tree's dtype, shape (m, 2, 2)
+                One or two points in the middle of the overlap; NaN for a second one that does not
+                exist.
+            categories : ndarray of uint32, shape (m, 2)
+                The categories of i and j.
 
         Raises
         ------
@@ -1435,8 +1442,9 @@ class Quadtree(_Queries):
         --------
         >>> import jostle
         >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
-        >>> tree.contacts()
-        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+        >>> contacts = tree.contacts()
+        >>> contacts.pairs, contacts.normals, contacts.depths
+        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
         >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
         >>> tree.contacts(walls, sort=True).depths
         array([0.5, 1.5])
@@ -2251,7 +2259,7 @@ class Space(_Queries):
         Returns
         -------
         Contacts
-            The pairs with their normals and depths.
+            The pairs with their normals, depths, points and categories.
 
             pairs : ndarray of int64, shape (m, 2)
                 Ids i and j of each pair, the smaller first, every pair once.
@@ -2261,6 +2269,11 @@ class Space(_Queries):
             depths : ndarray of the space's dtype, shape (m,)
                 Penetration: the distance that j must move along the normal until the two only
                 touch.
+            points : ndarray of the space's dtype, shape (m, 2, 2)
+                One or two points in the middle of the overlap; NaN for a second one that does not
+                exist.
+            categories : ndarray of uint32, shape (m, 2)
+                The categories of i and j.
 
         Raises
         ------
@@ -2276,8 +2289,11 @@ class Space(_Queries):
         >>> import jostle
         >>> space = jostle.Space()
         >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
-        >>> space.contacts()
-        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+        >>> contacts = space.contacts()
+        >>> contacts.pairs, contacts.normals, contacts.depths
+        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
+        >>> contacts.points[:, 0]
+        array([[0.  , 0.75]])
         """
     @property
     def walls(self) -> NDArray[np.floating[Any]]:
@@ -2341,6 +2357,7 @@ class Events:
     --------
     Space.update : Returns it.
     WorldEvents : The same for particles.
+    Contacts.between : The same choice by categories, of contacts.
 
     Examples
     --------
@@ -2370,6 +2387,54 @@ class Events:
     def exited(self) -> _Pairs:
         """Pairs that overlapped at the previous update and do not now, also because a shape was
         removed, of a swept update also those that met on the way: ndarray of int64, shape (m, 2).
+        """
+    def between(self, a: SupportsIndex, b: SupportsIndex) -> Events:
+        """Return the events between shapes of some categories and shapes of others.
+
+        A pair is kept if one of its shapes has a category in `a` and the other one has a category in
+        `b`. The shape in the first column then has one in `a`, and that in the second has one in
+        `b`, so the smaller id may be the second. A pair that fits in both orders is kept once, as it is.
+
+        Parameters
+        ----------
+        a, b : int
+            Categories, sets of 32 bits, which may be the same or have some in common.
+
+        Returns
+        -------
+        Events
+            The pairs that are kept, in the same order.
+
+        Raises
+        ------
+        TypeError
+            If `a` or `b` is no integer.
+        ValueError
+            If `a` or `b` has more than 32 bits.
+
+        See Also
+        --------
+        Contacts.between : The same for contacts.
+
+        Notes
+        -----
+        The categories are those that the shapes had at the update, also of shapes that were removed
+        before or after it. Those of the pairs that stayed are read with `stayed`, and it can be read
+        as long as that of the events from which these come.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> ROCK, SHOT = 2, 4
+        >>> space = jostle.Space()
+        >>> rocks = space.add([(0, 0), (1, 0)], radii=1.0, categories=ROCK)
+        >>> shot = space.add((0, 1), radii=0.1, categories=SHOT)
+        >>> events = space.update()
+        >>> events.entered
+        array([[0, 1],
+               [0, 2]])
+        >>> events.between(SHOT, ROCK).entered
+        array([[2, 0]])
         """
     def __reduce__(self) -> tuple[Any, ...]: ...
 

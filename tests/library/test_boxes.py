@@ -173,7 +173,7 @@ def test_boxes_and_other_shapes_overlap_as_in_exact_arithmetic(
 
 def test_contacts_give_the_axis_of_least_penetration_of_a_box() -> None:
     tree = jostle.Quadtree(boxes=[(0, 0, 10, 4), (1, 1, 2, 9), (9, 3.5, 20, 20)])
-    pairs, normals, depths = fields(tree.contacts())
+    pairs, normals, depths, *_ = fields(tree.contacts())
     order = np.lexsort(pairs.T[::-1])
     assert pairs[order].tolist() == [[0, 1], [0, 2]]
     assert normals[order].tolist() == [[-1, 0], [0, 1]]

@@ -170,7 +170,7 @@ def test_contacts_between_two_trees() -> None:
     rng = np.random.default_rng(2)
     tiles = jostle.Quadtree(boxes=[(x, 0, x + 1, 1) for x in range(20)], categories=2)
     walkers = jostle.Quadtree(rng.uniform(0, (20, 2), (50, 2)), 0.3)
-    pairs, normals, depths = fields(walkers.contacts(tiles, sort=True))
+    pairs, normals, depths, *_ = fields(walkers.contacts(tiles, sort=True))
     assert np.array_equal(pairs, walkers.pairs(tiles, sort=True))
     assert (depths > 0).all()
     # Moved by the depth along the normal, a tile only touches.

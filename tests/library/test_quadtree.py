@@ -97,7 +97,13 @@ def test_an_empty_tree(nothing: Any) -> None:
     assert len(tree) == 0
     assert tree.pairs().shape == (0, 2)
     assert tree.pairs(tree).shape == (0, 2)
-    assert [part.shape for part in fields(tree.contacts())] == [(0, 2), (0, 2), (0,)]
+    assert [part.shape for part in fields(tree.contacts())] == [
+        (0, 2),
+        (0, 2),
+        (0,),
+        (0, 2, 2),
+        (0, 2),
+    ]
     assert [part.shape for part in fields(tree.nodes())] == [(0, 4), (0,), (0,), (0,)]
     assert tree.stats == jostle.Stats(0, 0, 0, 0)
 
@@ -193,7 +199,7 @@ def test_contacts_part_the_pairs(shapes: Shapes) -> None:
     near = np.abs(shapes.centers).max(axis=1, initial=0) < 1e7
     shapes = shapes.take(np.flatnonzero(near & (shapes.radii > 1e-3) & (shapes.radii < 1e3)))
     tree = jostle.Quadtree(*shapes)
-    pairs, normals, depths = fields(tree.contacts())
+    pairs, normals, depths, *_ = fields(tree.contacts())
     np.testing.assert_array_equal(pairs, tree.pairs())
     assert normals.dtype == depths.dtype == shapes.centers.dtype
     assert (normals.shape, depths.shape) == ((len(pairs), 2), (len(pairs),))
@@ -220,7 +226,7 @@ def test_contacts_by_hand(dtype: Any) -> None:
             shapes.append(np.array(half_sizes, dtype))
         contacts = jostle.Quadtree(*shapes).contacts()
         assert isinstance(contacts, jostle.Contacts)
-        pairs, normals, depths = fields(contacts)
+        pairs, normals, depths, *_ = fields(contacts)
         assert (pairs.dtype, depths.dtype) == (np.int64, dtype)
         assert pairs.tolist() == [[0, 1]]
         return (*normals[0].tolist(), depths.item())

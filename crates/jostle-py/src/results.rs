@@ -8,7 +8,7 @@ use jostle_index::{Scalar, Shape};
 use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
 use jostle_world::{Collisions, Particles, Spin, Touch, TouchEvents, WallTouch};
-use numpy::Element;
+use numpy::{Element, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -26,7 +26,14 @@ where
 {
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pairs = detached(py, || long(&all.pairs))?.map_err(refused)?;
-    let fields = (table(py, pairs)?, table(py, all.normals)?, column(py, all.depths));
+    let len = all.points.len();
+    let fields = (
+        table(py, pairs)?,
+        table(py, all.normals)?,
+        column(py, all.depths),
+        table(py, all.points.into_flattened())?.reshape([len, 2, 2])?,
+        table(py, all.categories)?,
+    );
     CONTACTS.import(py, "jostle.results", "Contacts")?.call1(fields)
 }
 

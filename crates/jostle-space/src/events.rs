@@ -14,6 +14,7 @@ use jostle_base::memory;
 use jostle_base::sorting;
 use jostle_index::geometry::Scalar;
 use jostle_index::pairs::JoinScratch;
+use jostle_index::shapes::DEFAULT_CATEGORY;
 
 /// Pairs converted to ids between two checks for an interruption.
 const CHUNK: usize = 1 << 14;
@@ -27,8 +28,41 @@ pub struct Events {
     /// Pairs that overlapped at the update before and do not overlap now, or a shape of which was
     /// removed; of a swept update also those that met on the way.
     pub left: Vec<[Id; 2]>,
+    /// The categories of the shapes in `entered` and in `left` at the time of the update, which may have been removed
+    /// since; empty if no shape of the space had a category of its own.
+    pub categories: [Vec<[u32; 2]>; 2],
     /// The number of the update of its space.
     update: u64,
+}
+
+/// Pairs with the categories of their shapes, as in [`Events`].
+pub type WithCategories = (Vec<[Id; 2]>, Vec<[u32; 2]>);
+
+/// The pairs of which one shape has a category in `first` and the other one in `second`, and their categories, in the
+/// same order. Those that fit only in the other order are turned.
+pub fn between(
+    pairs: &[[Id; 2]],
+    categories: &[[u32; 2]],
+    [first, second]: [u32; 2],
+) -> Result<WithCategories> {
+    let (mut kept, mut kept_categories) = (Vec::new(), Vec::new());
+    let mut pulse = Pulse::current();
+    for (row, &[i, j]) in pairs.iter().enumerate() {
+        pulse.check(1)?;
+        let [a, b] = categories.get(row).copied().unwrap_or([DEFAULT_CATEGORY; 2]);
+        let (pair, both) = if a & first != 0 && b & second != 0 {
+            ([i, j], [a, b])
+        } else if b & first != 0 && a & second != 0 {
+            ([j, i], [b, a])
+        } else {
+            continue;
+        };
+        memory::push(&mut kept, pair)?;
+        if !categories.is_empty() {
+            memory::push(&mut kept_categories, both)?;
+        }
+    }
+    Ok((kept, kept_categories))
 }
 
 impl<T: Scalar> Space<T> {
@@ -115,12 +149,14 @@ impl<T: Scalar> Space<T> {
         // The lists of ids are made before anything is stored: an error that comes later than this
         // would lose events.
         let [left, entered] = self.told(&difference, crossed)?;
+        // Now, as long as the slots of removed shapes still have their categories.
+        let categories = [self.categories_of(&entered)?, self.categories_of(&left)?];
         self.slots.reserve_free(leaving.len())?;
         self.touching.change(difference);
         self.starts.clear(&self.changes.slots);
         self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
         self.changes.clear();
-        Ok(Events { entered, left, update })
+        Ok(Events { entered, left, categories, update })
     }
 
     /// The pairs that left and those that entered, as ids.
@@ -153,6 +189,29 @@ impl<T: Scalar> Space<T> {
             sorting::sort(&mut ids, &mut pulse)?;
         }
         Ok(ids)
+    }
+
+    /// The categories of the shapes in some pairs; empty if all are the default. The slots may be those of shapes
+    /// removed since the last update.
+    fn categories_of(&self, pairs: &[[Id; 2]]) -> Result<Vec<[u32; 2]>> {
+        if !self.slots.has_filters() {
+            return Ok(Vec::new());
+        }
+        let mut pulse = Pulse::current();
+        let mut categories = memory::with_capacity(pairs.len())?;
+        for pair in pairs {
+            pulse.check(1)?;
+            // The low bits of an id are its slot.
+            categories.push(pair.map(|id| self.slots.category(id as u32)));
+        }
+        Ok(categories)
+    }
+
+    /// As [`Space::stayed`], with the present categories.
+    pub fn stayed_with_categories(&self, events: &Events) -> Result<Option<WithCategories>> {
+        let Some(pairs) = self.stayed(events)? else { return Ok(None) };
+        let categories = self.categories_of(&pairs)?;
+        Ok(Some((pairs, categories)))
     }
 
     /// The pairs that overlapped at this update and at the one before, sorted; None if there was

@@ -74,6 +74,15 @@ impl<T: Scalar> Layer<T> {
     }
 }
 
+/// Settings for a tree of some of all shapes.
+///
+/// Leaves of all trees cover about equal areas. With the same number of shapes in each leaf those of a small tree would
+/// be so wide that each overlaps most leaves of the large ones.
+pub(super) fn fitting(settings: Settings, some: usize, all: usize) -> Settings {
+    let fitting = settings.leaf_capacity.saturating_mul(some) / all;
+    Settings { leaf_capacity: fitting.max(MIN_LEAF_CAPACITY), ..settings }
+}
+
 /// Every shape of a space, in one layer or fresh.
 #[derive(Clone, Debug)]
 pub(super) struct Layers<T> {
@@ -349,11 +358,8 @@ impl<T: Scalar> Layers<T> {
         let larger = if is_like && old.len <= old.slots.len() / SHORT_LIVED { LARGER } else { 1 };
         self.fresh = mem::take(&mut old.slots);
         self.fresh.clear();
-        let capacity = settings.leaf_capacity.saturating_mul(larger);
-        // Leaves of all layers cover about equal areas. With the same number of shapes in each leaf
-        // those of a small layer would be so wide that each overlaps most leaves of the large ones.
-        let fitting = capacity.saturating_mul(rows.len()) / slots.len();
-        let settings = Settings { leaf_capacity: fitting.max(MIN_LEAF_CAPACITY), ..settings };
+        let leaf_capacity = settings.leaf_capacity.saturating_mul(larger);
+        let settings = fitting(Settings { leaf_capacity, ..settings }, rows.len(), slots.len());
         let gathered = slots.gather(&rows, &mut self.shapes);
         if let Err(error) = gathered.and_then(|()| old.tree.fill_unordered(&self.shapes, settings))
         {

@@ -41,7 +41,7 @@ mod motions;
 mod walks;
 mod walking;
 
-pub use events::Events;
+pub use events::{Events, WithCategories, between};
 pub use pairs::Wanted;
 pub use saved::Saved;
 pub use space::{ShapeChanges, Space};

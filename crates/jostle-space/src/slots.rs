@@ -353,6 +353,11 @@ impl<T: Scalar> Slots<T> {
         [0, 1].map(|axis| middle(min[axis], max[axis]))
     }
 
+    /// Whether a shape has, or had, another filter than the default.
+    pub(super) fn has_filters(&self) -> bool {
+        !self.filters.is_empty()
+    }
+
     /// The category of the shape in `slot`.
     pub(super) fn category(&self, slot: u32) -> u32 {
         self.filters.get(slot as usize).map_or(DEFAULT_CATEGORY, |[category, _]| *category)

@@ -2,6 +2,7 @@
 
 use super::crossing::{Motion, cross};
 use super::keys::{Key, key_of};
+use super::layers;
 use super::space::Space;
 use super::starts;
 use jostle_base::error::{Error, Result};
@@ -30,7 +31,8 @@ impl<T: Scalar> Space<T> {
             return Ok(Vec::new());
         }
         let mut tree = Quadtree::default();
-        tree.fill_unordered(&self.bounds_of_paths(&moved)?, self.settings)?;
+        let settings = layers::fitting(self.settings, moved.len(), self.slots.len());
+        tree.fill_unordered(&self.bounds_of_paths(&moved)?, settings)?;
         match self.crossed_in(&tree, &moved, max_pairs) {
             Err(Error::TooManyPairs { .. }) => {
                 // Copies of shapes that have left their layers may have been counted; here there are none.

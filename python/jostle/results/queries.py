@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+import operator
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +11,24 @@ from numpy.typing import NDArray
 from jostle.results.base import Lists, Result
 
 
+def _bits(name: str, value: SupportsIndex) -> np.uint32:
+    """Return a set of 32 bits; a negative integer stands for its low bits."""
+    try:
+        bits = operator.index(value)
+        if isinstance(value, bool):
+            raise TypeError
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, not {type(value).__name__}") from None
+    if not -(2**32) <= bits < 2**32:
+        raise ValueError(
+            f"{name} is {bits}; it must be a set of 32 bits: between 0 and 4294967295, "
+            "or a negative integer from -4294967296 as ~bits gives it"
+        )
+    return np.uint32(bits & 0xFFFFFFFF)
+
+
 class Contacts(Result):
-    """Pairs that overlap, with normals and depths.
+    """Pairs that overlap, with normals, depths, points and categories.
 
     Attributes
     ----------
@@ -21,18 +38,88 @@ class Contacts(Result):
         Unit vectors from i to j.
     depths : ndarray of float32 or float64, shape (m,)
         Penetration along the normal, in units of length.
+    points : ndarray of float32 or float64, shape (m, 2, 2)
+        Points in the middle of the overlap, half of the depth below both surfaces. Where two sides
+        overlap they are the ends of the common part, the lower one first; elsewhere, as of a
+        circle, there is one, and the second is NaN. With a period they are next to shape i.
+    categories : ndarray of uint32, shape (m, 2)
+        The categories of both shapes, sets of bits.
 
     See Also
     --------
-    jostle.Quadtree.contacts : Returns it.
+    jostle.Quadtree.contacts, jostle.Space.contacts : Return it.
     WorldContacts : The contacts of particles, with impulses.
+
+    Examples
+    --------
+    Two boxes whose sides overlap from x = 1 to x = 2:
+
+    >>> import jostle
+    >>> tree = jostle.Quadtree(boxes=[(0, 0, 2, 2), (1, 1.5, 4, 4)])
+    >>> tree.contacts().points
+    array([[[1.  , 1.75],
+            [2.  , 1.75]]])
     """
 
-    __slots__ = ("pairs", "normals", "depths")
+    __slots__ = ("pairs", "normals", "depths", "points", "categories")
 
     pairs: NDArray[np.int64]
     normals: NDArray[np.floating[Any]]
     depths: NDArray[np.floating[Any]]
+    points: NDArray[np.floating[Any]]
+    categories: NDArray[np.uint32]
+
+    def between(self, a: SupportsIndex, b: SupportsIndex) -> Contacts:
+        """Return the contacts between shapes of some categories and shapes of others.
+
+        A contact is kept if one shape has a category in `a` and the other one has a category in
+        `b`. The shape in the first column of `pairs` then has one in `a`, and that in the second
+        has one in `b`; where this turns a pair, it turns the normal, too. A pair that fits in both
+        orders is kept once, as it is. A turned pair of two trees has the row of the other tree
+        first.
+
+        Parameters
+        ----------
+        a, b : int
+            Categories, sets of 32 bits, which may be the same or have some in common.
+
+        Returns
+        -------
+        Contacts
+            The contacts that are kept, in the same order.
+
+        Raises
+        ------
+        TypeError
+            If `a` or `b` is no integer.
+        ValueError
+            If `a` or `b` has more than 32 bits.
+
+        See Also
+        --------
+        jostle.Events.between : The same for events.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> ROCK, SHOT = 2, 4
+        >>> space = jostle.Space()
+        >>> rocks = space.add([(0, 0), (0, 1)], radii=1.0, categories=ROCK)
+        >>> shot = space.add((0, 2), radii=0.5, categories=SHOT)
+        >>> hits = space.contacts().between(SHOT, ROCK)
+        >>> hits.pairs, hits.normals
+        (array([[2, 1]]), array([[ 0., -1.]]))
+        """
+        first, second = (_bits(name, value) for name, value in (("a", a), ("b", b)))
+        has_first, has_second = (self.categories & first) != 0, (self.categories & second) != 0
+        straight = has_first[:, 0] & has_second[:, 1]
+        turned = ~straight & has_first[:, 1] & has_second[:, 0]
+        kept = np.flatnonzero(straight | turned)
+        pairs, categories = self.pairs[kept], self.categories[kept]
+        normals, back = self.normals[kept], turned[kept]
+        pairs[back], categories[back] = pairs[back, ::-1], categories[back, ::-1]
+        normals[back] = 0 - normals[back]  # and not -0
+        return Contacts(pairs, normals, self.depths[kept], self.points[kept], categories)
 
 
 class IdLists(Result, Lists[NDArray[np.int64]]):

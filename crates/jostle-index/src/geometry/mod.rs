@@ -263,6 +263,37 @@ pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
     }
 }
 
+/// The points in the middle of the overlap of two rounded boxes, from the result of [`contact`]. Where two sides
+/// overlap they are the ends of the common part of the cores, the lower one first; elsewhere there is one point, and
+/// the second one is NaN.
+pub fn contact_points<T: Scalar>(
+    a: &Shape<T>,
+    b: &Shape<T>,
+    (normal, depth): ([T; 2], T),
+) -> [[T; 2]; 2] {
+    // From the surface of `a` half of the depth inwards; the surface of `b` is as far away on the other side.
+    let inwards = a.radius - depth * T::from_f64(0.5);
+    let side_of_a = |axis: usize| {
+        if normal[axis] < T::ZERO {
+            a.min[axis] - a.half_size[axis]
+        } else {
+            a.max[axis] + a.half_size[axis]
+        }
+    };
+    let none = [T::NAN; 2];
+    if normal[0] != T::ZERO && normal[1] != T::ZERO {
+        return [[0, 1].map(|axis| side_of_a(axis) + normal[axis] * inwards), none];
+    }
+    let axis = usize::from(normal[0] == T::ZERO);
+    let along = 1 - axis;
+    let level = side_of_a(axis) + normal[axis] * inwards;
+    let low = (a.min[along] - a.half_size[along]).max(b.min[along] - b.half_size[along]);
+    let high = (a.max[along] + a.half_size[along]).min(b.max[along] + b.half_size[along]);
+    let point = |at: T| if axis == 0 { [level, at] } else { [at, level] };
+    // Equal for the centre of a circle, and for corners that are level with each other.
+    if low < high { [point(low), point(high)] } else { [point(low), none] }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -20,6 +20,11 @@ pub struct Overlaps<T, I> {
     pub normals: Vec<[T; 2]>,
     /// Penetration depths along the normals.
     pub depths: Vec<T>,
+    /// One or two points of each contact, as of [`contact_points`](geometry::contact_points); of periodic shapes
+    /// those of the image next to `i`.
+    pub points: Vec<[[T; 2]; 2]>,
+    /// The categories of both shapes.
+    pub categories: Vec<[u32; 2]>,
     /// Number of pairs of shapes that were tested.
     pub tests: u64,
 }
@@ -35,19 +40,26 @@ impl<T: Scalar, I: Copy> Overlaps<T, I> {
     ) -> Result<Self> {
         let mut normals = memory::with_capacity(pairs.len())?;
         let mut depths = memory::with_capacity(pairs.len())?;
+        let mut points = memory::with_capacity(pairs.len())?;
+        let mut categories = memory::with_capacity(pairs.len())?;
         let mut pulse = Pulse::current();
         for &pair in &pairs {
             pulse.check(CONTACT_WORK)?;
             let [mut a, mut b] = shapes(pair);
+            let place = a.min;
             if !period.is_none() {
                 // The images by which the pair was found, so the depth is positive for each pair.
                 [a, b] = period.nearest_images(&a, &b);
             }
             let (normal, depth) = geometry::contact(&a, &b);
+            let both = geometry::contact_points(&a, &b, (normal, depth));
             normals.push(normal);
             depths.push(depth);
+            let shift = [place[0] - a.min[0], place[1] - a.min[1]];
+            points.push(both.map(|point| [point[0] + shift[0], point[1] + shift[1]]));
+            categories.push([a.category, b.category]);
         }
-        Ok(Self { pairs, normals, depths, tests })
+        Ok(Self { pairs, normals, depths, points, categories, tests })
     }
 }
 

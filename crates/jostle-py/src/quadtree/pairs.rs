@@ -116,7 +116,7 @@ impl PyQuadtree {
     ///     Whether to sort the contacts by the first, then by the second shape of the pair. If
     ///     False, they come in the order of :meth:`pairs`.
     /// max_pairs : int, default 134217728
-    ///     Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
+    ///     Maximum number of pairs to return. Each takes 80 bytes, in float32 52, and about as
     ///     much during the search; memory is allocated only for the pairs that are found.
     /// mask : int, optional
     ///     Find only pairs whose shapes both have a category in this set of bits.
@@ -124,7 +124,7 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// Contacts
-    ///     Three arrays:
+    ///     Five arrays:
     ///
     ///     pairs : ndarray of int64, shape (m, 2)
     ///         As from :meth:`pairs`: row numbers i and j.
@@ -134,6 +134,11 @@ impl PyQuadtree {
     ///     depths : ndarray of the tree's dtype, shape (m,)
     ///         Penetration: the distance that j must move along the normal until the two only
     ///         touch.
+    ///     points : ndarray of the tree's dtype, shape (m, 2, 2)
+    ///         One or two points in the middle of the overlap; NaN for a second one that does not
+    ///         exist.
+    ///     categories : ndarray of uint32, shape (m, 2)
+    ///         The categories of i and j.
     ///
     /// Raises
     /// ------
@@ -153,8 +158,9 @@ impl PyQuadtree {
     /// --------
     /// >>> import jostle
     /// >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
-    /// >>> tree.contacts()
-    /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+    /// >>> contacts = tree.contacts()
+    /// >>> contacts.pairs, contacts.normals, contacts.depths
+    /// (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
     /// >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
     /// >>> tree.contacts(walls, sort=True).depths
     /// array([0.5, 1.5])

@@ -4,7 +4,7 @@ use jostle_base::ids::Id;
 use jostle_base::interrupt::Pulse;
 use jostle_base::sorting;
 use jostle_index::Scalar;
-use jostle_space::{Events, Wanted};
+use jostle_space::{Events, Wanted, WithCategories};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -184,7 +184,7 @@ impl PySpace {
     /// Returns
     /// -------
     /// Contacts
-    ///     The pairs with their normals and depths.
+    ///     The pairs with their normals, depths, points and categories.
     ///
     ///     pairs : ndarray of int64, shape (m, 2)
     ///         Ids i and j of each pair, the smaller first, every pair once.
@@ -194,6 +194,11 @@ impl PySpace {
     ///     depths : ndarray of the space's dtype, shape (m,)
     ///         Penetration: the distance that j must move along the normal until the two only
     ///         touch.
+    ///     points : ndarray of the space's dtype, shape (m, 2, 2)
+    ///         One or two points in the middle of the overlap; NaN for a second one that does not
+    ///         exist.
+    ///     categories : ndarray of uint32, shape (m, 2)
+    ///         The categories of i and j.
     ///
     /// Raises
     /// ------
@@ -209,8 +214,11 @@ impl PySpace {
     /// >>> import jostle
     /// >>> space = jostle.Space()
     /// >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
-    /// >>> space.contacts()
-    /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+    /// >>> contacts = space.contacts()
+    /// >>> contacts.pairs, contacts.normals, contacts.depths
+    /// (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
+    /// >>> contacts.points[:, 0]
+    /// array([[0.  , 0.75]])
     #[pyo3(
         signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
         text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
@@ -233,9 +241,9 @@ impl PySpace {
 
 impl PySpace {
     /// The pairs that overlapped at both updates, unless there has been another since.
-    pub fn stayed(&self, py: Python<'_>, events: &Events) -> PyResult<Option<Vec<[Id; 2]>>> {
+    pub fn stayed(&self, py: Python<'_>, events: &Events) -> PyResult<Option<WithCategories>> {
         with_space!(self, space => {
-            long(py, space, |space| space.stayed(events))?.map_err(refused)
+            long(py, space, |space| space.stayed_with_categories(events))?.map_err(refused)
         })
     }
 }
