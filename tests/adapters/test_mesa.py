@@ -1,13 +1,13 @@
 """`jostle.mesa` beside Mesa's own continuous space: the same agents, in the same order."""
 
 import copy
-import pickle
 import random
 from typing import Any
 
 import mesa
 import numpy as np
 import pytest
+from copies import by_pickle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mesa.experimental.continuous_space import ContinuousSpace as MesaSpace
@@ -113,16 +113,11 @@ def test_the_same_agents(
 def test_points_and_positions_outside() -> None:
     for torus in (False, True):
         twins = Twins(torus, [(0, 1), (14, 9), (3, 3)])
-        for space in twins.spaces:
-            space.agent_positions[1] = (40.0, 3.0)
-        for point in ((-20.0, 5.0), (3.0, 3.0), (200.0, 1.0)):
-            twins.agree(point, 4.0, 1)
-        for space in twins.spaces:
-            space.agent_positions[1] = (4.0, 3.0)
-        twins.agree((3.0, 3.0), 4.0, 1)
-        for space in twins.spaces:
-            space.agent_positions[1] = (np.nan, 3.0)
-        twins.agree((3.0, 3.0), 4.0, 1)
+        for x in (40.0, 4.0, np.nan):
+            for space in twins.spaces:
+                space.agent_positions[1] = (x, 3.0)
+            for point in ((3.0, 3.0), (-20.0, 5.0), (200.0, 1.0)):
+                twins.agree(point, 4.0, 1)
 
 
 def test_three_dimensions() -> None:
@@ -186,12 +181,9 @@ def test_results_of_arithmetic_are_not_positions() -> None:
     assert not space._all_moved and not space._moved
 
 
-@pytest.mark.parametrize("copied", [copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
+@pytest.mark.parametrize("copied", [copy.deepcopy, by_pickle])
 def test_copies_notice_moved_agents(copied: Any) -> None:
-    space = ContinuousSpace(DIMENSIONS, torus=True, random=random.Random(1))
-    model = mesa.Model(seed=1)
-    for x in range(4):
-        ContinuousSpaceAgent(space, model).position = (2.0 * x, 5.0)
+    space = Twins(True, [(2.0 * x, 5.0) for x in range(4)]).spaces[1]
     space.get_agents_in_radius((2.0, 5.0), 1.0)
     other = copied(space)
     moved = other.active_agents[3]

@@ -2,7 +2,6 @@
 
 import copy
 import math
-import pickle
 import sys
 from collections import Counter
 from fractions import Fraction
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 import pyqtree
 import pytest
+from copies import by_pickle
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -191,7 +191,7 @@ def test_iteration_shows_the_quads() -> None:
     assert (index.center, index.width, index.height) == ((8, 8), 16, 16)
 
 
-@pytest.mark.parametrize("make", [copy.deepcopy, lambda i: pickle.loads(pickle.dumps(i))])
+@pytest.mark.parametrize("make", [copy.deepcopy, by_pickle])
 def test_copies_answer_the_same(make: Any) -> None:
     index = Index(AREA)
     for k in range(30):

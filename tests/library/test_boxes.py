@@ -363,9 +363,8 @@ def test_a_box_moves_by_boxes_and_by_centers() -> None:
     space.set(right, positions=(7, 0.5))
     assert space.get(right).positions.tolist() == [7, 0.5]
     assert (space.get(right).half_sizes == half).all()
-    assert (
-        space.get(right).boxes == np.concatenate([(7, 0.5) - half, np.add((7, 0.5), half)])
-    ).all()
+    sides = np.concatenate([(7, 0.5) - half, np.add((7, 0.5), half)])
+    assert (space.get(right).boxes == sides).all()
     assert space.update().exited.tolist() == [[left, right]]
     # And back again, rounded by a radius.
     space.set(right, radii=0.25)

@@ -255,11 +255,8 @@ def test_one_shape_at_a_time() -> None:
     space.set(second, radii=0.5)
     space.set(first, categories=3, masks=5)
     np.testing.assert_array_equal(space.get(first).positions, [4, 0])
-    assert (space.get(second).radii, space.get(first).categories, space.get(first).masks) == (
-        0.5,
-        3,
-        5,
-    )
+    one, other = space.get(first), space.get(second)
+    assert (other.radii, one.categories, one.masks) == (0.5, 3, 5)
     np.testing.assert_array_equal(space.get(second).half_sizes, [1, 2])
     assert isinstance(space.get(second).radii, float) and isinstance(space.get(0).masks, int)
     assert space.update().entered.tolist() == [[0, 1]]
