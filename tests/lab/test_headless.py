@@ -95,12 +95,8 @@ def test_table_without_particles_compares_nothing(tmp_path: Path, console, monke
 
 
 def test_table_says_when_a_method_was_not_timed_in_full(tmp_path, console, monkeypatch) -> None:
-    for name, value in [
-        ("PATIENCE", 0.01),
-        ("BRUTE_LIMIT", 20),
-        ("BRUTE_SAMPLE", 10),
-        ("ARTICLE_LIMIT", 15),
-    ]:
+    limits = {"PATIENCE": 0.01, "BRUTE_LIMIT": 20, "BRUTE_SAMPLE": 10, "ARTICLE_LIMIT": 15}
+    for name, value in limits.items():
         monkeypatch.setattr(headless, name, value)
     table = table_of(Settings("gas", 50), tmp_path, console)
     assert "scaled from 10" in table and "with only 15 particles" in table

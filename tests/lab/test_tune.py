@@ -106,9 +106,8 @@ def test_the_table_names_the_special_settings() -> None:
 
 
 def test_milliseconds_have_three_digits() -> None:
-    assert [in_ms(value) for value in (1.2345, 9.996e-3, 2.832e-4, 4.3e-6)] == [
-        *("1,230", "10.0", "0.283", "0.00430")
-    ]
+    written = [in_ms(value) for value in (1.2345, 9.996e-3, 2.832e-4, 4.3e-6)]
+    assert written == ["1,230", "10.0", "0.283", "0.00430"]
 
 
 def test_a_picture_frames_the_best_and_the_default_of_each_map(tmp_path: Path) -> None:
