@@ -10,7 +10,7 @@ use jostle_base::interrupt::Pulse;
 use jostle_base::memory;
 use jostle_base::sorting;
 use jostle_index::geometry::Scalar;
-use jostle_index::pairs;
+use jostle_index::pairs::{self, Filters, JoinScratch};
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Shapes, middle_of};
 
@@ -95,19 +95,24 @@ impl<T: Scalar> Space<T> {
             Some(([moved[i], moved[j]], [motions[i], motions[j]]))
         });
         self.keep_crossed(candidates, &mut crossed)?;
+        let mut scratch = JoinScratch::default();
         let moved_in = self.layers.count_in(moved)?;
         // A layer without a shape at rest has nothing that was not found above.
         let layers = self.layers.indices();
         for index in layers.filter(|&index| moved_in[index] < self.layers.len_of(index)) {
             let (layer, slot_of) = self.layers.layer(index);
-            let found = pairs::between(tree, layer, None, left);
+            let (none, filters) = ([T::ZERO; 2], Filters::Apply);
+            let found = pairs::indices_between(tree, layer, none, filters, left, &mut scratch);
             let found = found.map_err(|error| error.with_max_pairs(max_pairs))?.pairs;
             left -= found.len();
-            // Shapes at rest only: pairs that both move were found above.
-            let candidates = found.into_iter().map(|[row, other]| {
-                let other = slot_of(other).filter(|&slot| self.start_of(slot).is_none())?;
-                let row = row as usize;
-                Some(([moved[row], other], [motions[row], self.motion_of(other)]))
+            let candidates = found.into_iter().map(|[index, other]| {
+                // Shapes at rest only: pairs that both move were found above.
+                let slot = slot_of(layer.rows()[other as usize]);
+                let slot = slot.filter(|&slot| self.start_of(slot).is_none())?;
+                let row = tree.rows()[index as usize] as usize;
+                // Not read from its slot: neighbours in the tree are neighbours in memory.
+                let rest = layer.columns().shape(other as usize);
+                Some(([moved[row], slot], [motions[row], [rest; 2]]))
             });
             self.keep_crossed(candidates, &mut crossed)?;
         }
