@@ -57,7 +57,7 @@ macro_rules! arguments {
     };
 }
 arguments! {
-    positions, velocities, radii, masses, restitutions, movable, friction, angles, angular_velocities,
+    positions, velocities, radii, masses, restitution, movable, friction, angles, angular_velocities,
     categories, masks, sensors, kinds,
 }
 
@@ -145,13 +145,12 @@ impl Draft {
         fn one<V: Copy>(column: Option<&Each<V>>) -> Option<V> {
             column.and_then(|column| if let Each::One(one) = column { Some(*one) } else { None })
         }
-        let Changes { radii, masses, restitutions, friction, categories, masks, .. } =
-            &self.columns;
+        let Changes { radii, masses, restitution, friction, categories, masks, .. } = &self.columns;
         Defaults {
             radius: one(radii.as_ref()).or(before.radius),
             mass: one(masses.as_ref()).or(before.mass),
             density: one(self.densities.as_ref()).unwrap_or(before.density),
-            restitution: one(restitutions.as_ref()).unwrap_or(before.restitution),
+            restitution: one(restitution.as_ref()).unwrap_or(before.restitution),
             friction: one(friction.as_ref()).unwrap_or(before.friction),
             filter: Filter {
                 category: one(categories.as_ref()).unwrap_or(before.filter.category),
@@ -167,7 +166,7 @@ impl Draft {
         columns.validate(len)?;
         check_column(densities.as_ref(), check_densities)?;
         columns.radii = columns.radii.or(defaults.radius.map(Each::One));
-        columns.restitutions.get_or_insert(Each::One(defaults.restitution));
+        columns.restitution.get_or_insert(Each::One(defaults.restitution));
         columns.friction.get_or_insert(Each::One(defaults.friction));
         columns.categories.get_or_insert(Each::One(defaults.filter.category));
         columns.masks.get_or_insert(Each::One(defaults.filter.mask));

@@ -83,7 +83,7 @@ pub fn world_particles(py: Python<'_>, all: Particles, single: bool) -> PyResult
         field(py, all.velocities, single)?,
         field(py, all.radii, single)?,
         field(py, all.masses, single)?,
-        field(py, all.restitutions, single)?,
+        field(py, all.restitution, single)?,
         field(py, all.movable, single)?,
         field(py, listed(spins.iter().map(|spin| spin.friction))?, single)?,
         field(py, listed(spins.iter().map(Spin::rounded_angle))?, single)?,

@@ -292,7 +292,7 @@ impl PyWorld {
         }
         match reals("restitution", restitution.value(), len)? {
             Some(Each::One(one)) => rules.restitution = one,
-            rows => draft.columns.restitutions = rows,
+            rows => draft.columns.restitution = rows,
         }
         let forces = forces.value().map_or(Ok(Forces::default()), Forces::read)?;
         let mut walls = walls::read(walls)?;

@@ -101,11 +101,10 @@ pub(crate) fn fountain(n: usize, random: &mut Random) -> Result<Start> {
     let [min_x, min_y, max_x, max_y] = view(n);
     let settings = WorldSettings {
         gravity: [0.0, GRAVITY],
-        restitution: 0.3,
         // Drops may rise above the view.
         ..boxed([min_x, 2.0 * min_y, max_x, max_y])
     };
-    Ok(Start::new(particles, settings))
+    Ok(Start::new(particles, settings).restitution(0.3))
 }
 
 fn beads(scale: f32) -> Result<Vec<[f32; 2]>> {

@@ -34,13 +34,9 @@ pub(crate) fn article(n: usize, random: &mut Random) -> Result<Start> {
     // state is pinned.
     particles.masses.iter_mut().for_each(|mass| *mass *= random.whole(1, 20));
     // Gravity is 0.5 px per frame²; drag is about 0.3 % per frame for a particle of medium size.
-    let settings = WorldSettings {
-        gravity: [0.0, 0.5 * FRAMES * FRAMES],
-        drag: 0.08,
-        restitution: 0.75,
-        ..boxed(area)
-    };
-    Ok(Start::new(particles, settings))
+    let settings =
+        WorldSettings { gravity: [0.0, 0.5 * FRAMES * FRAMES], drag: 0.08, ..boxed(area) };
+    Ok(Start::new(particles, settings).restitution(0.75))
 }
 
 const PILE_RADII: [f32; 2] = [5.0, 10.0];
@@ -67,8 +63,9 @@ pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Re
     let radii = kept(&kept_rows, (0..n).map(radius))?;
     let velocities = kept(&kept_rows, (0..n).map(|_| random.in_disc().map(|v| v * 40.0)))?;
     let walls = [0.0, fill[1].min(0.0) - height, width, height];
-    let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.2, ..boxed(walls) };
-    Ok(Start::new(Particles::try_new(places, velocities, radii, 1.0)?, settings))
+    let settings = WorldSettings { gravity: [0.0, 900.0], ..boxed(walls) };
+    let discs = Particles::try_new(places, velocities, radii, 1.0)?;
+    Ok(Start::new(discs, settings).restitution(0.2))
 }
 
 const RAIN_RADII: [f32; 2] = [3.0, 6.0];
@@ -96,8 +93,8 @@ pub(crate) fn rain(n: usize, random: &mut Random) -> Result<Start> {
     let settings = WorldSettings {
         gravity: [0.0, 900.0],
         drag: 1.5,
-        restitution: 0.3,
         ..boxed([0.0, clouds[1], width, height])
     };
-    Ok(Start::new(Particles::try_new(places, velocities, radii, 1.0)?, settings))
+    let drops = Particles::try_new(places, velocities, radii, 1.0)?;
+    Ok(Start::new(drops, settings).restitution(0.3))
 }

@@ -112,13 +112,10 @@ pub(crate) fn galton(n: usize, random: &mut Random) -> Result<Start> {
         memory::filled(n, radius)?,
         1.0,
     )?)?;
-    let settings = WorldSettings {
-        gravity: [0.0, GRAVITY],
-        drag: DRAG,
-        restitution: 0.48,
-        ..boxed([min_x, top, max_x, floor])
-    };
-    let start = bins.fold(Start::new(particles, settings), |start, bin| start.walled(&bin));
+    let settings =
+        WorldSettings { gravity: [0.0, GRAVITY], drag: DRAG, ..boxed([min_x, top, max_x, floor]) };
+    let start = Start::new(particles, settings).restitution(0.48);
+    let start = bins.fold(start, |start, bin| start.walled(&bin));
     Ok(funnel.iter().fold(start, |start, side| start.walled(side)))
 }
 

@@ -92,8 +92,8 @@ pub(crate) fn billiards(n: usize, random: &mut Random) -> Result<Start> {
         // Side spin: friction passes it on to the balls that are hit.
         spin.velocity = if ball == 0 { CUE_SPIN } else { 0.0 };
     }
-    let settings = WorldSettings { drag: 0.25, restitution: 0.95, ..boxed(area) };
-    Ok(Start::new(particles, settings))
+    let settings = WorldSettings { drag: 0.25, ..boxed(area) };
+    Ok(Start::new(particles, settings).restitution(0.95))
 }
 
 const ORBIT_RADIUS: f32 = 4.0;

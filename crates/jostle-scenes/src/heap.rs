@@ -54,6 +54,6 @@ pub(crate) fn heap(n: usize, random: &mut Random) -> Result<Start> {
     particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.friction = FRICTION);
     let [min_x, min_y, max_x, max_y] = heap_view(n);
     let walls = [min_x - BEAD, min_y, max_x + BEAD, max_y];
-    let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.1, ..boxed(walls) };
-    Ok(Start::new(particles, settings))
+    let settings = WorldSettings { gravity: [0.0, 900.0], ..boxed(walls) };
+    Ok(Start::new(particles, settings).restitution(0.1))
 }

@@ -115,12 +115,11 @@ pub(crate) fn mill(n: usize, random: &mut Random) -> Result<Start> {
     particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.friction = 0.5);
     let container = Container::Circle { center: [0.0; 2], radius };
     let gravity = [0.0, GRAVITY];
-    let settings =
-        WorldSettings { container, gravity, restitution: 0.2, ..WorldSettings::default() };
+    let settings = WorldSettings { container, gravity, ..WorldSettings::default() };
     // From the Froude number ω² r / g, which decides the flow in a drum: at a quarter grains
     // tumble, at 1 they stay at the rim.
     let angular_velocity = (FROUDE * GRAVITY / radius).sqrt();
-    Ok(Start::new(particles, settings).with(Influence::Motor(Motor {
+    Ok(Start::new(particles, settings).restitution(0.2).with(Influence::Motor(Motor {
         ids,
         angular_velocity,
         ..MOTOR
@@ -201,9 +200,10 @@ pub(crate) fn conveyor(n: usize, random: &mut Random) -> Result<Start> {
     };
     particles.try_extend(&grains(memory::collect((0..n).map(place))?, 10.0, random)?)?;
     particles.try_spins_mut()?.iter_mut().for_each(|spin| spin.friction = 0.8);
-    let settings = WorldSettings { gravity: [0.0, GRAVITY], restitution: 0.1, ..boxed(area) };
-    let mut start = Start::new(particles, settings);
-    let chute = Wall::new([[0.0, lowest], [length, lowest - CHUTE * length]]);
-    start.walls.push(Wall { friction: Some(0.0), ..chute });
+    let settings = WorldSettings { gravity: [0.0, GRAVITY], ..boxed(area) };
+    let mut start = Start::new(particles, settings).restitution(0.1);
+    let mut chute = Wall::new([[0.0, lowest], [length, lowest - CHUTE * length]]);
+    chute.surface.friction = Some(0.0);
+    start.walls.push(chute);
     Ok(start)
 }

@@ -76,7 +76,7 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
     let places = lattice(n, [u, v, width - u, 0.42 * width], 0.0, random)?;
     let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * 300.0)))?;
     let mut balls = Particles::try_new(places, velocities, memory::filled(n, BALL)?, 1.0)?;
-    balls.restitutions.fill(0.9);
+    balls.restitution.fill(0.81);
     particles.try_extend(&balls)?;
     let settings = WorldSettings { gravity: [0.0, 500.0], drag: 0.05, ..boxed(pinball_view(n)) };
     let mut start = Start::new(particles, settings);
@@ -86,12 +86,14 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
         };
         start = start.walled(&side(&TOP)).walled(&side(&GUIDE)).walled(&side(&SLINGSHOT));
     }
-    start.walls.iter_mut().for_each(|wall| wall.restitution = 0.7);
+    start.walls.iter_mut().for_each(|wall| wall.surface.restitution = Some(0.49));
     let floor = start.walls.len() as u32;
     // Slightly shorter than the distance between the guides, so that it touches neither.
     let (y, inset) = (0.96 * scale(n) * TABLE[1], 0.3 * BALL);
     let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
-    start.walls.push(Wall::new(ends.map(|x| [x, y])));
+    let mut floor_wall = Wall::new(ends.map(|x| [x, y]));
+    floor_wall.surface.restitution = Some(1.0);
+    start.walls.push(floor_wall);
     start.forces.extend(flippers.map(Influence::Motor));
     Ok(start.with(Influence::Motor(Motor {
         walls: vec![floor],

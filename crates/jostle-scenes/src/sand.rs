@@ -110,7 +110,6 @@ pub(crate) fn sand(n: usize, random: &mut Random) -> Result<Start> {
         // on the flow.
         *mass *= 1.0 + HEAVIER * (index * LAYERS / n) as f32;
     }
-    let settings =
-        WorldSettings { gravity: [0.0, 900.0], drag: 1.5, restitution: 0.0, ..boxed(sand_view(n)) };
-    Ok(Start::new(grains, settings).walled(&glass.corners()))
+    let settings = WorldSettings { gravity: [0.0, 900.0], drag: 1.5, ..boxed(sand_view(n)) };
+    Ok(Start::new(grains, settings).restitution(0.0).walled(&glass.corners()))
 }

@@ -5,10 +5,9 @@ use std::ops::Range;
 use super::random::Random;
 use super::start::Start;
 use jostle_base::error::{Error, Result};
-use jostle_world::particles::Particles;
 #[cfg(feature = "ranks")]
 use jostle_world::ranks;
-use jostle_world::world::{Defaults, World};
+use jostle_world::world::World;
 
 /// Maximum number of particles of a scene.
 const MAX_COUNT: usize = 100_000_000;
@@ -67,12 +66,9 @@ impl Scene {
             Make::Whole(make) => make(count, random)?,
             Make::Parts(make) => make(count, random, rows)?,
         };
-        // The default of particles that are added later, so that these are like the others.
-        let friction = common_friction(&start.particles);
         let mut world = World::new(start.particles, start.settings)?;
         world.set_walls(start.walls)?;
         world.set_forces(start.forces)?;
-        world.set_defaults(Defaults { friction, ..Defaults::default() })?;
         Ok(world)
     }
 
@@ -92,12 +88,6 @@ pub(crate) fn checked(count: usize) -> Result<usize> {
         return Ok(count);
     }
     Err(Error::of("n", count, &format!("a scene holds at most {MAX_COUNT}")))
-}
-
-/// The common coefficient of friction of all particles; 0 if they differ.
-fn common_friction(all: &Particles) -> f32 {
-    let first = all.spin(0).friction;
-    if all.spins.iter().all(|spin| spin.friction == first) { first } else { 0.0 }
 }
 
 impl std::fmt::Debug for Scene {

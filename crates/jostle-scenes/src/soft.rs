@@ -199,13 +199,9 @@ pub(crate) fn springs(n: usize, random: &mut Random) -> Result<Start> {
         let corner = [(cell % counts[0]) as f32 * size[0], (cell / counts[0]) as f32 * size[1]];
         fill_cell(n * (cell + 1) / count - n * cell / count, corner, size, &mut tissue, random)?;
     }
-    let settings = WorldSettings {
-        gravity: [0.0, 600.0],
-        drag: 0.05,
-        restitution: 0.4,
-        ..boxed(springs_view(n))
-    };
-    Ok(Start::new(tissue.particles, settings).with(Influence::Springs(Springs(tissue.springs))))
+    let settings = WorldSettings { gravity: [0.0, 600.0], drag: 0.05, ..boxed(springs_view(n)) };
+    let springs = Influence::Springs(Springs(tissue.springs));
+    Ok(Start::new(tissue.particles, settings).restitution(0.4).with(springs))
 }
 
 /// Fills a cell with `n` particles: the cloth on the left, the chain on the right, and rows of

@@ -20,6 +20,12 @@ impl Start {
         Self { particles, settings, forces: Vec::new(), walls: Vec::new() }
     }
 
+    /// Sets the coefficient of restitution of all particles.
+    pub(crate) fn restitution(mut self, of_all: f32) -> Self {
+        self.particles.restitution.fill(of_all);
+        self
+    }
+
     pub(crate) fn with(mut self, force: Influence) -> Self {
         self.forces.push(force);
         self

@@ -3,6 +3,7 @@
 //! sides at a temperature match its variants. A torus has no sides but a [`Period`].
 
 use crate::particles::FARTHEST;
+use crate::surface::MAX_SIDES;
 use crate::tolerance::ROUNDING;
 use crate::trajectory::{Impact, Limits, Piece, Vector, dot, flat_impact, round_impact, vector};
 use jostle_base::error::{Error, Result};
@@ -78,9 +79,6 @@ pub enum Side {
         radius: f64,
     },
 }
-
-/// Maximum number of sides of a container.
-pub const MAX_SIDES: usize = 4;
 
 /// A rectangle in which discs touch no side of a box.
 pub struct Inner {

@@ -6,6 +6,7 @@
 )]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod surface;
 pub mod particles;
 mod motion;
 mod flow;
@@ -29,8 +30,9 @@ pub use forces::Influence;
 pub use particles::{Changes, Particles, Spin};
 #[cfg(feature = "ranks")]
 pub use ranks::{Communicator, OwnParticles, Traffic};
+pub use surface::{Sides, Surface};
 pub use walls::Wall;
 pub use world::{
-    Bodies, Collisions, Defaults, OnTouch, Stage, StateHash, Stats, Touch, TouchEvents, WallTouch,
-    World, WorldSettings,
+    Bodies, Collisions, OnTouch, Stage, StateHash, Stats, Touch, TouchEvents, WallTouch, World,
+    WorldSettings,
 };

@@ -132,7 +132,7 @@ fn rough_cloud(count: usize, seed: u64) -> Particles {
     let radii = (0..count).map(|_| random.between(0.2, 0.4)).collect();
     let mut all = Particles::new(positions, velocities, radii, 1.0);
     all.masses = (0..count).map(|_| random.between(0.2, 2.0)).collect();
-    all.restitutions = (0..count).map(|_| random.between(0.5, 1.0)).collect();
+    all.restitution = (0..count).map(|_| random.between(0.5, 1.0)).collect();
     all.spins =
         (0..count).map(|_| spin(random.between(0.0, 1.0), random.between(-3.0, 3.0))).collect();
     all

@@ -130,7 +130,7 @@ const ADDITIONS: [Addition; 14] = [
     }),
     ("inelastic", |_, random| {
         let mut all = discs(100, 3.0, OTHER, random);
-        all.restitutions.fill(0.3);
+        all.restitution.fill(0.3);
         no_walls(all)
     }),
     ("rough", |_, random| {
@@ -220,7 +220,7 @@ fn pile(seed: u64) -> Base {
         particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.3);
     }
     if seed % 5 == 2 {
-        particles.restitutions.iter_mut().step_by(2).for_each(|e| *e = 0.2);
+        particles.restitution.iter_mut().step_by(2).for_each(|e| *e = 0.2);
     }
     let restitution = [0.5, 0.0, 0.9][seed as usize % 3];
     let walls = if container == Container::None { trough() } else { Vec::new() };
@@ -258,7 +258,7 @@ fn gas(seed: u64, radii: f32) -> Base {
 fn elastic(seed: u64) -> Base {
     let base = pile(seed);
     let mut particles = base.particles.clone();
-    particles.restitutions.fill(1.0);
+    particles.restitution.fill(1.0);
     particles.spins_mut().fill(Default::default());
     // What loses energy at a wall is a property of the world.
     let settings = WorldSettings { restitution: 1.0, ..base.settings };

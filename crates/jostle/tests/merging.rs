@@ -24,7 +24,7 @@ fn crowd(count: usize, side: f32) -> Particles {
     let radii: Vec<f32> = (0..count).map(|_| pair(0.05, 0.3)[0]).collect();
     let mut all = Particles::new(positions, velocities, radii, 1.0);
     all.masses = (0..count).map(|_| pair(0.1, 9.0)[0]).collect();
-    all.restitutions = (0..count).map(|_| pair(0.2, 1.0)[0]).collect();
+    all.restitution = (0..count).map(|_| pair(0.2, 1.0)[0]).collect();
     all
 }
 
@@ -90,14 +90,14 @@ fn two_become_one_as_written() {
     let mut all = row(&[[0.0, 0.0], [1.5, 0.0]], &[[4.0, 0.0], [0.0, 8.0]], 1.0);
     all.masses = vec![1.0, 3.0];
     all.radii = vec![0.75, 1.0];
-    all.restitutions = vec![0.2, 0.6];
+    all.restitution = vec![0.2, 0.6];
     let mut world = world_of(all, merging());
     run_for(&mut world, 0.25, 1);
     let one = world.bodies().particles().unwrap();
     assert_eq!(one.masses, [4.0]);
     assert_eq!(one.velocities, [[1.0, 6.0]]);
     assert_eq!(one.radii, [1.25]);
-    assert_eq!(one.restitutions, [0.5]);
+    assert_eq!(one.restitution, [0.5]);
     assert_eq!(one.positions, [[(1.0 + 4.5) / 4.0, 6.0 / 4.0]]);
     assert_eq!(new_ids(&world), Some(vec![0, 0]));
 }

@@ -30,7 +30,7 @@ impl Two {
             velocities: self.velocities.to_vec(),
             radii: self.radii.to_vec(),
             masses: self.masses.to_vec(),
-            restitutions: vec![1.0; 2],
+            restitution: vec![1.0; 2],
             movable: vec![true; 2],
             ..Particles::default()
         };
@@ -264,7 +264,7 @@ fn no_shot_passes_through_a_disc() {
             velocities: vec![direction.map(|v| v * way / STEP as f32), [0.0; 2]],
             radii: vec![radius, target],
             masses: vec![1.0, random.between(0.1, 10.0)],
-            restitutions: vec![1.0; 2],
+            restitution: vec![1.0; 2],
             movable: vec![true, shot % 2 == 0],
             ..Particles::default()
         };
@@ -494,7 +494,7 @@ fn a_restitution_of_each_particle_multiplies() {
         vec![10.0; 2],
         1.0,
     );
-    particles.restitutions = vec![0.5, 0.8];
+    particles.restitution = vec![0.5, 0.8];
     let settings = WorldSettings { restitution: 0.5, ..WorldSettings::default() };
     let mut world = world_of(particles, settings);
     run(&mut world, 60);

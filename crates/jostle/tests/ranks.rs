@@ -32,7 +32,7 @@ fn share(all: &Particles, rank: usize, size: usize) -> (Particles, Vec<Id>) {
         1.0,
     );
     particles.masses = rows.iter().map(|&row| all.masses[row]).collect();
-    particles.restitutions = rows.iter().map(|&row| all.restitutions[row]).collect();
+    particles.restitution = rows.iter().map(|&row| all.restitution[row]).collect();
     particles.movable = rows.iter().map(|&row| all.movable[row]).collect();
     if all.has_friction() {
         particles.spins = rows.iter().map(|&row| all.spins[row]).collect();
@@ -93,7 +93,7 @@ fn check_prepared(
             let at = rows.binary_search(id).unwrap();
             let state = |all: &Particles, row: usize| {
                 let moves = [all.positions[row], all.residuals[row], all.velocities[row]];
-                (moves, [all.radii[row], all.masses[row], all.restitutions[row]], all.movable[row])
+                (moves, [all.radii[row], all.masses[row], all.restitution[row]], all.movable[row])
             };
             assert_eq!(state(&own, row), state(&expected, at), "{id}");
         }
@@ -119,7 +119,7 @@ fn particles_that_merge_have_the_bits_of_one_process() {
     // Some are so heavy that they do not merge with each other.
     (0..400).step_by(7).for_each(|row| all.masses[row] = 3e29);
     (0..400).step_by(11).for_each(|row| all.movable[row] = false);
-    (0..400).step_by(3).for_each(|row| all.restitutions[row] = 0.5);
+    (0..400).step_by(3).for_each(|row| all.restitution[row] = 0.5);
     let inside = boxed([-1.0, -1.0], [49.0, 49.0]);
     let gravity = [0.0, 40.0];
     for container in [Container::None, inside, Container::Torus { size: [50.0, 50.0] }] {

@@ -124,7 +124,7 @@ impl Case {
             velocities: vec![velocity(-speed)],
             radii: vec![1.0],
             masses: vec![1.0],
-            restitutions: vec![1.0],
+            restitution: vec![1.0],
             movable: vec![true],
             ..Particles::default()
         };
@@ -135,7 +135,7 @@ impl Case {
             particles.velocities.push(velocity(if is_kinematic { 0.5 * speed } else { 0.0 }));
             particles.radii.push(radius as f32);
             particles.masses.push((radius * radius) as f32);
-            particles.restitutions.push(1.0);
+            particles.restitution.push(1.0);
             particles.movable.push(matches!(self.other, Other::Movable(_)));
         }
         let container = match self.other {
@@ -289,7 +289,7 @@ fn travels() -> impl Iterator<Item = f64> {
     (0..=9).map(|exponent| 10f64.powi(-exponent))
 }
 
-/// Calls `act` with each combination of what the disc meets, of restitutions, places, directions and
+/// Calls `act` with each combination of what the disc meets, of restitution, places, directions and
 /// numbers of sub-steps.
 fn each_case(mut act: impl FnMut(Case)) {
     for (other, restitution) in others().flat_map(|other| [0.0, 0.5, 1.0].map(|e| (other, e))) {
@@ -385,7 +385,7 @@ fn lost_on_floor(pieces: &[[[f32; 2]; 2]], speed: f32, restitution: f32) -> f64 
         velocities: vec![[speed, 0.0]],
         radii: vec![1.0],
         masses: vec![1.0],
-        restitutions: vec![1.0],
+        restitution: vec![1.0],
         movable: vec![true],
         ..Particles::default()
     };

@@ -140,7 +140,7 @@ fn nothing_sleeps_where_nothing_rests() {
     none(WorldSettings { sleeping: false, ..settings() });
     none(WorldSettings { on_touch: OnTouch::Ignore, ..settings() });
     let mut elastic = lone();
-    elastic.restitutions = vec![1.0, 0.5];
+    elastic.restitution = vec![1.0, 0.5];
     let mut mixed = world_of(elastic, WorldSettings { restitution: 1.0, ..settings() });
     run(&mut mixed, 120);
     assert_eq!(mixed.bodies().asleep().unwrap(), [false, true]);

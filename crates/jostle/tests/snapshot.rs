@@ -57,7 +57,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
     let velocities = (0..count).map(|_| pair(-3.0, 3.0)).collect();
     let radii = (0..count).map(|_| pair(0.2, 0.7)[0]).collect();
     let mut all = Particles::new(positions, velocities, radii, 2.0);
-    all.restitutions = (0..count).map(|_| pair(0.1, 1.0)[0]).collect();
+    all.restitution = (0..count).map(|_| pair(0.1, 1.0)[0]).collect();
     (0..count).step_by(9).for_each(|row| all.movable[row] = false);
     for spin in all.spins_mut() {
         [spin.friction, spin.velocity] = pair(0.0, 1.0);

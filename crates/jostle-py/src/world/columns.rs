@@ -61,7 +61,7 @@ columns! {
     /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
-    restitutions, set_restitutions: PyArray1<f32> = column(Bodies::restitutions);
+    restitution, set_restitutions: PyArray1<f32> = column(Bodies::restitution);
 
     /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
     ///

@@ -34,8 +34,8 @@ impl PyWorld {
     ///     density times radius squared, without π.
     /// densities : array_like, a number or shape (k,), optional
     ///     1.0 if no number was given to `World`.
-    /// restitutions : array_like, a number or shape (k,), optional
-    ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
+    /// restitution : array_like, a number or shape (k,), optional
+    ///     1.0 if no number was assigned to `world.restitution`; `world.restitution` is a factor
     ///     of all contacts anyway.
     /// movable : array_like of bool, one or shape (k,), default True
     ///     Whether contacts and forces can change the velocity.
@@ -79,7 +79,7 @@ impl PyWorld {
     #[pyo3(
         signature = (positions, velocities, radii=None, *, densities=None, **columns),
         text_signature = "($self, positions, velocities, radii=None, *, masses=None, \
-                          densities=None, restitutions=None, movable=None, friction=None, \
+                          densities=None, restitution=None, movable=None, friction=None, \
                           angles=None, angular_velocities=None, categories=None, masks=None, \
                           sensors=None, kinds=None)"
     )]
@@ -157,7 +157,7 @@ impl PyWorld {
     ///     The particles, each at most once.
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
     ///     Centres in units of length, and velocities in units of length per second.
-    /// radii, masses, restitutions : array_like, a number or shape (k,), optional
+    /// radii, masses, restitution : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
     ///     Whether contacts and forces can change the velocity.
@@ -192,7 +192,7 @@ impl PyWorld {
     #[pyo3(
         signature = (ids, **columns),
         text_signature = "($self, ids, *, positions=None, velocities=None, radii=None, \
-                          masses=None, restitutions=None, movable=None, friction=None, \
+                          masses=None, restitution=None, movable=None, friction=None, \
                           angles=None, angular_velocities=None, categories=None, masks=None, \
                           sensors=None, kinds=None)"
     )]

@@ -48,7 +48,7 @@ properties! {
     drag, set_drag(&Bound<'_, PyAny>): f64
         = drag, decimal, |value| real("drag", value);
 
-    /// The world's coefficient of restitution, 0 to 1; `restitutions` has those of the particles.
+    /// The world's coefficient of restitution, 0 to 1; `restitution` has those of the particles.
     restitution, set_restitution(&Bound<'_, PyAny>): f64
         = restitution, decimal, |value| real("restitution", value);
 

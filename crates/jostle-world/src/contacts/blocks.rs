@@ -131,8 +131,6 @@ pub struct Materials<'a> {
     pub particles: &'a Particles,
     /// Which of them may rest, of a world in which some may not; else empty.
     pub lossy: &'a [bool],
-    /// Coefficient of restitution of the world.
-    pub restitution: f32,
 }
 
 impl Block {
@@ -143,7 +141,7 @@ impl Block {
         of: &Materials<'_>,
         get: impl Fn(usize) -> Option<([u32; 2], [f32; 2], [f32; 2])>,
     ) {
-        let Materials { particles, lossy, restitution } = *of;
+        let Materials { particles, lossy } = *of;
         // Unused lanes keep values with which all formulas stay finite, so kernels compute all
         // sixteen without a mask.
         *self = Self::default();
@@ -168,8 +166,7 @@ impl Block {
             self.sizes[lane] = size_of(radii[0], radii[1]);
             let is_uneven = are_uneven(self.sizes[lane], self.contact_distances[lane]);
             self.uneven_sizes |= u32::from(is_uneven) << lane;
-            // In this order the product of the two is the same if they are exchanged.
-            let restitution = restitution * (particles.restitutions[i] * particles.restitutions[j]);
+            let restitution = particles.pair_restitution(i, j);
             self.restitutions[lane] = restitution;
             if lossy.is_empty() || lossy[i] || lossy[j] {
                 // Most contacts have the same.

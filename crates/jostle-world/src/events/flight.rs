@@ -87,8 +87,6 @@ pub struct Flight<'a> {
     pub begins_part: bool,
     /// The container and the walls.
     pub walls: Around<'a>,
-    /// Coefficient of restitution of the world.
-    pub restitution: f32,
     /// Whether all collisions keep the energy: elastic, without friction.
     pub is_lossless: bool,
     /// Which discs lose energy, of a world in which some do and others do not; else empty.
@@ -364,18 +362,17 @@ impl TimeWindow<'_> {
 
     /// Coefficient of restitution of two discs.
     pub fn pair_restitution(&self, [a, b]: [u32; 2]) -> f64 {
-        let Flight { particles: Particles { restitutions, .. }, restitution, .. } = self.flight;
         // Not read if all are 1.
         if self.flight.is_lossless {
             return 1.0;
         }
-        f64::from(restitution * (restitutions[a as usize] * restitutions[b as usize]))
+        self.flight.particles.pair_restitution(a as usize, b as usize).into()
     }
 
     /// Coefficient of restitution of a disc and a wall.
     pub fn wall_restitution(&self, index: u32, wall: u32) -> f64 {
-        let own = self.flight.restitution * self.flight.particles.restitutions[index as usize];
-        f64::from(own * self.flight.walls.walls.restitution(wall))
+        let own = self.flight.particles.restitution[index as usize];
+        self.flight.walls.walls.surface(wall).restitution_with(own).into()
     }
 
     /// The limits for surfaces of a size that meet at a place; whether neither has had an impact in

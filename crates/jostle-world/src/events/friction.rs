@@ -8,6 +8,7 @@
 use super::flight::TimeWindow;
 use super::impulses::{Constraint, MAX_ITERATIONS, TOLERANCE};
 use super::simulation::Simulation;
+use crate::surface::mean;
 use crate::trajectory::{Piece, Vector, dot, vector};
 use jostle_base::error::Result;
 use jostle_base::reserve;
@@ -190,12 +191,12 @@ impl TimeWindow<'_> {
             return 0.0;
         }
         let [a, b] = pair.map(|index| self.friction(index));
-        (a * b).sqrt()
+        mean(a, b)
     }
 
     /// Coefficient of friction of a disc and a wall.
     pub fn wall_friction(&self, index: u32, wall: u32) -> f64 {
-        self.flight.walls.walls.friction(wall, self.friction(index))
+        self.flight.walls.walls.surface(wall).friction_with(self.friction(index))
     }
 
     fn friction(&self, index: u32) -> f64 {

@@ -3,8 +3,9 @@
 use super::chance::Chance;
 use super::record::record;
 use super::{check_distinct, check_number};
-use crate::container::{Container, MAX_SIDES};
+use crate::container::Container;
 use crate::particles::FARTHEST;
+use crate::surface::MAX_SIDES;
 use crate::walls::{MAX_WORLD_WALLS, number_of};
 use jostle_base::error::{Error, Result};
 

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 
 use super::{
     Particles, check_angles, check_angular_velocities, check_friction, check_kinds, check_masses,
-    check_radii, check_restitutions, check_vectors,
+    check_radii, check_restitution, check_vectors,
 };
 use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
@@ -188,7 +188,7 @@ fields! {
     /// Masses.
     masses: f32 = dense masses, check_masses;
     /// Coefficients of restitution.
-    restitutions: f32 = dense restitutions, check_restitutions;
+    restitution: f32 = dense restitution, check_restitution;
     /// Coefficients of friction.
     friction: f32 = sparse spins.friction, check_friction;
     /// Angular velocities.

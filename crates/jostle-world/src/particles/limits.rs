@@ -45,12 +45,12 @@ pub fn check_masses(masses: &[f32]) -> Result<()> {
     }
 }
 
-/// Refuses restitutions outside 0 to 1.
-pub fn check_restitutions(restitutions: &[f32]) -> Result<()> {
-    match restitutions.iter().position(|e| !(0.0..=1.0).contains(e)) {
+/// Refuses coefficients of restitution outside 0 to 1.
+pub fn check_restitution(restitution: &[f32]) -> Result<()> {
+    match restitution.iter().position(|e| !(0.0..=1.0).contains(e)) {
         Some(index) => {
             let rule = "a restitution must lie between 0 and 1";
-            Err(Error::at("restitutions", index, restitutions[index], rule))
+            Err(Error::at("restitution", index, restitution[index], rule))
         }
         None => Ok(()),
     }

@@ -7,6 +7,7 @@ mod limits;
 
 use std::f64::consts::{PI, TAU};
 
+use crate::surface::mean32;
 pub use changes::Effect;
 pub use fields::{Changes, Field, FieldVisitor, FieldVisitorMut};
 use jostle_base::error::Result;
@@ -16,14 +17,13 @@ use jostle_base::{plain, table};
 use jostle_index::shapes::Filter;
 pub use limits::{
     FARTHEST, MASS_RANGE, MAX_KINDS, check_angles, check_angular_velocities, check_friction,
-    check_kinds, check_kinds_of_table, check_masses, check_radii, check_restitutions,
-    check_vectors,
+    check_kinds, check_kinds_of_table, check_masses, check_radii, check_restitution, check_vectors,
 };
 
 /// Friction and rotation of a disc. Its moment of inertia is m r²/2; one of radius 0 does not turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spin {
-    /// Coefficient of friction, at least 0; a pair has the square root of the product of its two.
+    /// Coefficient of friction, at least 0; a pair has the geometric mean of its two.
     pub friction: f32,
     /// Angular velocity in radians per second, positive from +x to +y.
     pub velocity: f32,
@@ -63,8 +63,8 @@ table! {
         pub radii: uniform f32,
         /// Masses, more than 0.
         pub masses: uniform f32,
-        /// Coefficients of restitution, 0 to 1; a pair has the product of its two.
-        pub restitutions: uniform f32,
+        /// Coefficients of restitution, 0 to 1; a pair has the geometric mean of its two.
+        pub restitution: uniform f32,
         /// Whether contacts and forces can change the velocity of the particle.
         pub movable: dense bool,
         /// Friction and rotation; empty if no disc has friction or an angle, or turns.
@@ -101,19 +101,10 @@ impl Particles {
         let len = positions.len();
         // Without π, as in the article; only ratios of masses matter.
         let masses = memory::collect(radii.iter().map(|r| density * r * r))?;
-        let (restitutions, movable) = (memory::filled(len, 1.0)?, memory::filled(len, true)?);
+        let (restitution, movable) = (memory::filled(len, 1.0)?, memory::filled(len, true)?);
         let residuals = memory::filled(len, [0.0; 2])?;
         let others = Self::default();
-        Ok(Self {
-            positions,
-            residuals,
-            velocities,
-            radii,
-            masses,
-            restitutions,
-            movable,
-            ..others
-        })
+        Ok(Self { positions, residuals, velocities, radii, masses, restitution, movable, ..others })
     }
 
     /// Number of particles.
@@ -181,9 +172,13 @@ impl Particles {
         if self.spins.is_empty() {
             return 0.0;
         }
-        // In float64, where the product of two float32 numbers neither overflows nor vanishes.
-        let [a, b] = [a, b].map(|row| f64::from(self.spins[row].friction));
-        (a * b).sqrt() as f32
+        mean32(self.spins[a].friction, self.spins[b].friction)
+    }
+
+    /// Coefficient of restitution of two discs.
+    #[inline(always)]
+    pub fn pair_restitution(&self, a: usize, b: usize) -> f32 {
+        mean32(self.restitution[a], self.restitution[b])
     }
 
     /// As [`Particles::spins_mut`]; an error if there is no memory.

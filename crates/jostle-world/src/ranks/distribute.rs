@@ -178,7 +178,6 @@ pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
     let mut world = World::new(particles, like.settings)?;
     world.set_walls(like.walls().to_vec())?;
     world.set_forces(like.forces()?)?;
-    world.set_defaults(like.bodies.defaults)?;
     world.attachment.clone_from(&like.attachment);
     world.time = like.time;
     Ok(world)

@@ -120,7 +120,7 @@ mod tests {
         let mut all =
             Particles::new(vec![[1.0, 2.0], [3.0, 4.0]], vec![[5.0, 6.0]; 2], vec![7.0; 2], 1.0);
         all.residuals[1] = [8.0, -9.0];
-        (all.masses[1], all.restitutions[1], all.movable[1]) = (10.0, 0.5, false);
+        (all.masses[1], all.restitution[1], all.movable[1]) = (10.0, 0.5, false);
         all.spins_mut()[1] = Spin { friction: 0.25, velocity: -1.5, angle: 0.75 };
         all.filters_mut()[1] = Filter { category: 2, mask: 3 };
         all.sensors_mut()[1] = true;

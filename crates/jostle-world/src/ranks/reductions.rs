@@ -15,8 +15,7 @@ use jostle_base::parallel::locked;
 pub fn agree_on_losses(world: &mut World) -> Result<()> {
     let Some(domain) = domain_of(world) else { return Ok(()) };
     let own = (0..).zip(&world.bodies.awake.rows).filter(|(_, row)| domain.owns(**row));
-    let is_lossy = world.settings.restitution != 1.0
-        || !world.boundaries.walls.are_elastic()
+    let is_lossy = !world.boundaries.walls.are_elastic()
         || own.map(|of| of.0).any(|index| loses_energy(&world.bodies.awake.particles, index));
     let is_lossy = world.halo().any(is_lossy)?;
     domain_of_mut(world).is_lossless = !is_lossy;

@@ -61,8 +61,6 @@ pub struct Support<'a> {
     pub rows: &'a [u32],
     /// The impulses of walls in the sub-step before, sorted by row and wall.
     pub wall_impulses: &'a [WallImpulse],
-    /// Coefficient of restitution of the world.
-    pub restitution: f32,
     /// What is shared with other processes.
     pub halo: &'a dyn Halo,
     /// The number of colours, and whether any masses are uneven, on all processes.

@@ -213,8 +213,8 @@ impl RestingContact {
         if away[0] + away[1] > 0.0 && !is_pushed {
             return None;
         }
-        let own = scene.restitution * scene.particles.restitutions[index];
-        let restitution = own * scene.walls.walls.restitution(number);
+        let surface = scene.walls.walls.surface(number);
+        let restitution = surface.restitution_with(scene.particles.restitution[index]);
         let surfaces = Surfaces {
             gap,
             size: scene.particles.radii[index],
@@ -236,7 +236,7 @@ impl RestingContact {
             start.bounce = -surfaces.restitution * surfaces.normal_speed;
         }
         let own = f64::from(scene.particles.spin(index).friction);
-        let friction = scene.walls.walls.friction(number, own) as f32;
+        let friction = surface.friction_with(own) as f32;
         // An impulse from before the friction became 0 does not count.
         let pushes = [pushes[0], if friction > 0.0 { pushes[1] } else { 0.0 }];
         Some(Self { wall: number, inward, velocity, friction, start, pushes: [[0.0; 2], pushes] })

@@ -17,9 +17,10 @@ mod torus;
 use std::cmp::Ordering;
 
 pub use crate::container::WallContact;
-use crate::container::{Container, MAX_SIDES, size};
+use crate::container::{Container, size};
 use crate::motion::exact;
 use crate::particles::FARTHEST;
+use crate::surface::{MAX_SIDES, Sides, Surface};
 use crate::tolerance::{PRECISION, ROUNDING};
 use crate::trajectory::{Vector, dot, vector};
 pub use around::Around;
@@ -76,20 +77,17 @@ pub struct Wall {
     pub residuals: [[f32; 2]; 2],
     /// Its velocity. Nothing changes it.
     pub velocity: [f32; 2],
-    /// Coefficient of restitution, 0 to 1; multiplied by those of the world and the particle.
-    pub restitution: f32,
-    /// Coefficient of friction. A contact has the square root of the product with that of the
-    /// particle; None: that of the particle, as at the container.
-    pub friction: Option<f32>,
+    /// Its coefficients of restitution and of friction.
+    pub surface: Surface,
 }
 
-saved! { struct Wall { ends, residuals, velocity, restitution, friction } }
+saved! { struct Wall { ends, residuals, velocity, surface } }
 
 impl Wall {
-    /// A wall that is elastic and has the friction of the particles.
+    /// A wall at rest, with the coefficients of the particles.
     pub fn new(ends: [[f32; 2]; 2]) -> Self {
         let (residuals, velocity) = ([[0.0; 2]; 2], [0.0; 2]);
-        Self { ends, residuals, velocity, restitution: 1.0, friction: None }
+        Self { ends, residuals, velocity, surface: Surface::default() }
     }
 
     /// Its ends, not rounded.
@@ -134,16 +132,6 @@ enum Part {
     End(usize),
 }
 
-/// The coefficients of restitution of the sides of the container.
-#[derive(Clone, Copy, Debug)]
-struct Sides([f32; MAX_SIDES]);
-
-impl Default for Sides {
-    fn default() -> Self {
-        Self([1.0; MAX_SIDES])
-    }
-}
-
 /// All walls, with a tree of them.
 #[derive(Debug, Default)]
 pub struct Walls {
@@ -162,12 +150,13 @@ pub struct Walls {
     starts: Vec<u32>,
     covering: Vec<Covering>,
     tree: Quadtree<f32>,
+    /// The surfaces of the sides of the container.
     sides: Sides,
     /// Whether any wall has a velocity; then a step reads those of all walls.
     any_moves: bool,
     /// Whether the tree is older than the walls, because a step was undone.
     is_stale: bool,
-    /// Whether all coefficients of restitution are 1, apart from those of the sides.
+    /// Whether elastic discs keep their energy at all walls, apart from the sides.
     are_elastic: bool,
 }
 
@@ -324,30 +313,24 @@ impl Walls {
         self.all.is_empty()
     }
 
-    /// Whether all coefficients of restitution are 1.
+    /// Whether elastic discs keep their energy at all walls and sides.
     pub fn are_elastic(&self) -> bool {
-        (self.all.is_empty() || self.are_elastic) && self.sides.0 == [1.0; MAX_SIDES]
+        (self.all.is_empty() || self.are_elastic) && self.sides.are_elastic()
     }
 
-    /// Sets the coefficients of restitution of the sides of the container.
-    pub fn set_sides(&mut self, restitutions: [f32; MAX_SIDES]) {
-        self.sides = Sides(restitutions);
+    /// Sets the surfaces of the sides of the container.
+    pub fn set_sides(&mut self, sides: Sides) {
+        self.sides = sides;
     }
 
     /// Whether all sides of the container have the same coefficient of restitution.
     pub fn has_equal_sides(&self) -> bool {
-        self.sides.0 == [self.sides.0[0]; MAX_SIDES]
+        self.sides.bounce_alike()
     }
 
-    /// Coefficient of restitution of the wall with a number.
-    pub fn restitution(&self, wall: u32) -> f32 {
-        self.get(wall).map_or_else(|| self.sides.0[wall as usize], |of| of.restitution)
-    }
-
-    /// Coefficient of friction of the wall with a number and a particle with `friction`.
-    pub fn friction(&self, wall: u32, friction: f64) -> f64 {
-        let own = self.get(wall).and_then(|of| of.friction);
-        own.map_or(friction, |own| (f64::from(own) * friction).sqrt())
+    /// The surface of the wall with a number.
+    pub fn surface(&self, wall: u32) -> &Surface {
+        self.get(wall).map_or_else(|| &self.sides.0[wall as usize], |of| &of.surface)
     }
 
     /// The distance from the wall with a number at which a disc touches it.
@@ -482,9 +465,9 @@ fn add_images(
     done
 }
 
-/// Whether all coefficients of restitution are 1.
+/// Whether elastic discs keep their energy at all of these walls.
 fn are_elastic(all: &[Wall]) -> bool {
-    all.iter().all(|wall| wall.restitution == 1.0)
+    all.iter().all(|wall| wall.surface.is_elastic())
 }
 
 /// Refuses the first wall that is not finite, too large, or without length.
@@ -494,7 +477,7 @@ fn validate(all: &[Wall]) -> Result<()> {
         return Err(Error::of("walls", format!("{} walls", all.len()), &rule));
     }
     for (index, wall) in all.iter().enumerate() {
-        let Wall { ends: [[a, b], [c, d]], velocity: [u, v], restitution, friction, .. } = *wall;
+        let Wall { ends: [[a, b], [c, d]], velocity: [u, v], surface, .. } = *wall;
         let refuse =
             |rule: &str| Err(Error::at("walls", index, format!("(({a}, {b}), ({c}, {d}))"), rule));
         if ![a, b, c, d].iter().all(|v| v.is_finite() && v.abs() <= FARTHEST) {
@@ -512,14 +495,7 @@ fn validate(all: &[Wall]) -> Result<()> {
             let rule = "both components must be finite and at most 1e18";
             return Err(Error::at("wall_velocities", index, format!("({u}, {v})"), rule));
         }
-        if !(0.0..=1.0).contains(&restitution) {
-            let rule = "it must lie between 0 and 1";
-            return Err(Error::at("wall_restitution", index, restitution, rule));
-        }
-        if let Some(friction) = friction.filter(|v| !(*v >= 0.0 && v.is_finite())) {
-            let rule = "it must be finite and at least 0";
-            return Err(Error::at("wall_friction", index, friction, rule));
-        }
+        surface.validate(["wall_restitution", "wall_friction"], index)?;
     }
     Ok(())
 }

@@ -78,18 +78,14 @@ impl World {
         let (shape, refinement) = (self.contacts.shape(), own_refinement(self, plan));
         let (shape, refinement) = self.halo.protocol().agree_on_order(self, shape, refinement)?;
         let Self {
-            bodies: Bodies { awake: Discs { particles, .. }, .. },
-            settings,
-            scratch,
-            contacts,
-            ..
+            bodies: Bodies { awake: Discs { particles, .. }, .. }, scratch, contacts, ..
         } = self;
         let lists = &scratch.contact_pairs;
         // The rows of the tree are the indices that the particles had in the last step. By these
         // the impulses for warm starting are found.
         let before = scratch.tree.rows();
         let StepScratch { lossy, .. } = &*scratch;
-        let materials = Materials { particles, lossy, restitution: settings.restitution };
+        let materials = Materials { particles, lossy };
         contacts.collect(lists, &materials, before, shape.rounds, threads)?;
         scratch.contact_shape = shape;
         Ok(refinement)
@@ -101,15 +97,13 @@ impl World {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. },
             scratch,
-            settings,
             boundaries,
             halo,
             ..
         } = self;
         scratch.lossy.clear();
         // Contacts of stiff springs are solved as resting ones, also where nothing loses energy.
-        let all = settings.restitution < 1.0 || !boundaries.walls.are_elastic();
-        if is_lossless || all || scratch.forces.are_springs_stiff {
+        if is_lossless || !boundaries.walls.are_elastic() || scratch.forces.are_springs_stiff {
             return Ok(false);
         }
         let all = (0..particles.len()).map(|index| loses_energy(particles, index));
@@ -177,7 +171,7 @@ impl World {
 
 /// Whether the collisions of a particle lose energy by its own coefficients.
 pub(crate) fn loses_energy(particles: &Particles, index: usize) -> bool {
-    particles.restitutions[index] < 1.0 || particles.spin(index).friction > 0.0
+    particles.restitution[index] < 1.0 || particles.spin(index).friction > 0.0
 }
 
 /// Lists the pairs for which `is_listed` is true, sorted; the scratch keeps the lists of threads.

@@ -238,7 +238,7 @@ pub(crate) fn union(
         let offset = container.period().exact().minimum_image(offset);
         mass += own;
         square += radius * radius;
-        bounce += own * f64::from(all.restitutions[index]);
+        bounce += own * f64::from(all.restitution[index]);
         moment = [0, 1].map(|k| moment[k] + own * offset[k]);
         momentum = [0, 1].map(|k| momentum[k] + own * f64::from(all.velocities[index][k]));
     }
@@ -269,7 +269,7 @@ pub(crate) fn union(
         velocities: vec![velocity],
         radii: vec![radius],
         masses: vec![whole],
-        restitutions: vec![((bounce / mass) as f32).clamp(0.0, 1.0)],
+        restitution: vec![((bounce / mass) as f32).clamp(0.0, 1.0)],
         movable: vec![anchor.is_none()],
         spins: vec![spin_of(all, indices, container, radius)],
         filters: vec![filter_of(all, indices)],

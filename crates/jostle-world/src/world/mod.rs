@@ -56,8 +56,8 @@ use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
 use crate::resting::Resting;
 use crate::walls::{Wall, Walls};
+pub use bodies::Bodies;
 use bodies::discs::Discs;
-pub use bodies::{Bodies, Defaults};
 use boundaries::Boundaries;
 use distribution::{Agreement, Distribution};
 use drive::check_motors;
@@ -285,7 +285,7 @@ impl World {
             self.record.forget_pairs();
         }
         self.settings = settings;
-        self.boundaries.walls.set_sides(settings.side_restitutions());
+        self.boundaries.walls.set_sides(settings.present_sides());
         start_threads(self);
         Ok(())
     }
@@ -300,7 +300,7 @@ impl World {
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
         self.influences.check_walls(walls.len())?;
         let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
-        walls.set_sides(self.settings.side_restitutions());
+        walls.set_sides(self.settings.present_sides());
         wake_all(self)?;
         self.bodies.awake.persistent.recent_motions.clear();
         self.boundaries.replace_walls(walls);
@@ -400,17 +400,5 @@ impl World {
     /// nothing merged. An error if more than 2²⁷ ids were given, or there is no memory for them.
     pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {
         self.record.merged().map(|merged| self.bodies.renumbered(merged)).transpose()
-    }
-
-    /// Values of new particles for which the caller gives none.
-    pub fn defaults(&self) -> Defaults {
-        self.bodies.defaults
-    }
-
-    /// Changes them. If they are refused, the old ones stay.
-    pub fn set_defaults(&mut self, defaults: Defaults) -> Result<()> {
-        defaults.validate()?;
-        self.bodies.defaults = defaults;
-        Ok(())
     }
 }

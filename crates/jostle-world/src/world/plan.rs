@@ -138,8 +138,7 @@ fn is_lossless(world: &World) -> bool {
 pub(crate) fn are_own_lossless(world: &World) -> bool {
     // Chunks without branches, for vector instructions.
     let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
-    world.settings.restitution == 1.0
-        && world.bodies.awake.particles.restitutions.chunks(256).all(elastic)
+    world.bodies.awake.particles.restitution.chunks(256).all(elastic)
         && world.boundaries.walls.are_elastic()
         && !world.bodies.awake.particles.has_friction()
 }

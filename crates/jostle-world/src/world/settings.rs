@@ -1,7 +1,8 @@
 //! The settings of a world, apart from its particles and forces.
 
-use crate::container::{Container, MAX_SIDES};
+use crate::container::Container;
 use crate::particles;
+use crate::surface::Sides;
 use jostle_base::error::{Error, Result};
 use jostle_base::saved;
 use jostle_base::settings::{Method, Settings};
@@ -28,13 +29,10 @@ pub struct WorldSettings {
     pub gravity: [f32; 2],
     /// Linear damping, per second: dv/dt = −drag · v.
     pub drag: f32,
-    /// Coefficient of restitution of the world, 0 to 1; multiplied by those of the particles.
-    pub restitution: f32,
     /// The region that contains the particles.
     pub container: Container,
-    /// Coefficients of restitution of its sides, 0 to 1, at min x, max x, min y and max y; those of a
-    /// circle are equal. At a side it is multiplied by those of the world and the particle.
-    pub container_restitution: [f32; MAX_SIDES],
+    /// The surfaces of its sides, at min x, max x, min y and max y; those of a circle are equal.
+    pub sides: Sides,
     /// What happens to particles that touch.
     pub on_touch: OnTouch,
     /// How pairs are found. The result is the same.
@@ -55,7 +53,7 @@ pub struct WorldSettings {
 
 saved! {
     struct WorldSettings {
-        gravity, drag, restitution, container, container_restitution, on_touch, method, substeps,
+        gravity, drag, container, sides, on_touch, method, substeps,
         sleeping, track_events, tree
     }
 }
@@ -68,9 +66,8 @@ impl Default for WorldSettings {
         Self {
             gravity: [0.0; 2],
             drag: 0.0,
-            restitution: 1.0,
             container: Container::None,
-            container_restitution: [1.0; MAX_SIDES],
+            sides: Sides::default(),
             on_touch: OnTouch::Bounce,
             method: Method::Quadtree,
             substeps: None,
@@ -90,41 +87,18 @@ impl WorldSettings {
         if !(self.drag >= 0.0 && self.drag.is_finite()) {
             return Err(Error::of("drag", self.drag, "it must be finite and at least 0"));
         }
-        if !(0.0..=1.0).contains(&self.restitution) {
-            return Err(Error::of("restitution", self.restitution, "it must lie between 0 and 1"));
-        }
         if let Some(substeps) = self.substeps
             && !(1..=1000).contains(&substeps)
         {
             return Err(Error::of("substeps", substeps, "it must lie between 1 and 1000"));
         }
         self.container.validate()?;
-        self.validate_sides()?;
+        self.sides.validate(self.container.sides().count() == 1)?;
         self.tree.validate()
     }
 
-    /// The coefficients of restitution of the sides that there are; 1 for others.
-    pub(crate) fn side_restitutions(&self) -> [f32; MAX_SIDES] {
-        if self.container.has_sides() { self.container_restitution } else { [1.0; MAX_SIDES] }
-    }
-
-    fn validate_sides(&self) -> Result<()> {
-        let all = self.container_restitution;
-        let refuse = |index: usize, rule| {
-            let is_one = all.iter().all(|one| one.to_bits() == all[0].to_bits());
-            Err(match is_one {
-                true => Error::of("container_restitution", all[0], rule),
-                false => Error::at("container_restitution", index, all[index], rule),
-            })
-        };
-        if let Some(index) = all.iter().position(|one| !(0.0..=1.0).contains(one)) {
-            return refuse(index, "it must lie between 0 and 1");
-        }
-        if self.container.sides().count() == 1
-            && let Some(index) = all.iter().position(|one| *one != all[0])
-        {
-            return refuse(index, "a circle has one wall, so all four must be equal");
-        }
-        Ok(())
+    /// The surfaces of the sides that there are.
+    pub(crate) fn present_sides(&self) -> Sides {
+        if self.container.has_sides() { self.sides } else { Sides::default() }
     }
 }

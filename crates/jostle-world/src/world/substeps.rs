@@ -185,7 +185,6 @@ impl World {
     fn solve_resting_contacts(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
         let Self {
             bodies: Bodies { awake: Discs { particles, .. }, .. },
-            settings,
             scratch,
             halo,
             boundaries,
@@ -204,7 +203,6 @@ impl World {
             walls: around(walls, near, particles, clock),
             rows: &self.bodies.awake.rows,
             wall_impulses: pushes,
-            restitution: settings.restitution,
             halo: &**halo,
             shape: scratch.contact_shape,
             threads: common.plan.threads,
@@ -243,7 +241,6 @@ impl World {
             halo: &**halo,
             bounded: substep == 0 && common.plan.is_bounded,
             walls: self.boundaries.around(particles, common.clock(substep)),
-            restitution: settings.restitution,
             is_lossless: common.plan.is_lossless,
             lossy: &scratch.lossy,
             thermostat: self.influences.thermostats().next().copied(),

@@ -68,7 +68,7 @@ fn sleeping() -> World {
 /// Rough discs with categories, sensors and events that are recorded.
 fn tracked() -> World {
     let mut discs = Particles::new(lattice(1.1), random_velocities(2.0), vec![0.5; LEN], 1.0);
-    discs.restitutions.fill(0.8);
+    discs.restitution.fill(0.8);
     discs.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.3);
     let filter = |k: usize| Filter { category: 1 << (k % 3), mask: u32::MAX << (k % 2) };
     discs.filters_mut().iter_mut().enumerate().for_each(|(k, of)| *of = filter(k));

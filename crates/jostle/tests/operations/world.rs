@@ -138,7 +138,7 @@ impl WorldCase {
                 1 => all.velocities[row] = new.velocities[0],
                 2 => all.radii[row] = new.radii[0],
                 3 => all.masses[row] = new.masses[0],
-                4 => all.restitutions[row] = new.restitutions[0],
+                4 => all.restitution[row] = new.restitution[0],
                 5 => all.spins_mut()[row].friction = spin.friction,
                 6 => all.spins_mut()[row].velocity = spin.velocity,
                 7 => all.filters_mut()[row].mask = new.filter(0).mask,
@@ -159,7 +159,7 @@ impl WorldCase {
             }
             2 => changes.radii = Some(first(&|of| of.radii[0])),
             3 => changes.masses = Some(first(&|of| of.masses[0])),
-            4 => changes.restitutions = Some(first(&|of| of.restitutions[0])),
+            4 => changes.restitution = Some(first(&|of| of.restitution[0])),
             5 => changes.friction = Some(first(&|of| of.spin(0).friction)),
             6 => changes.angular_velocities = Some(first(&|of| of.spin(0).velocity)),
             7 => changes.masks = Some(Each::Rows(new.iter().map(|of| of.filter(0).mask).collect())),
@@ -342,7 +342,7 @@ impl WorldCase {
             1 => new.velocities[0][0] = bad,
             2 => new.radii[0] = bad,
             3 => new.masses[0] = 0.0,
-            _ => new.restitutions[0] = 1.5,
+            _ => new.restitution[0] = 1.5,
         }
         self.refused(|world| world.add(new.clone()));
         self.refused(|world| world.set_walls(vec![Wall::new([[0.0; 2], [bad, 1.0]])]));
@@ -552,7 +552,7 @@ pub fn draw_particle(draw: &mut Draw) -> Particles {
     let radius = draw.pick(&[0.5, 0.5, 0.5, 0.3, 0.8, 0.0, 2.0]);
     let mut one = Particles::new(vec![place], vec![velocity], vec![radius], 1.0);
     one.masses[0] = draw.pick(&[1.0, 1.0, 2.0, 0.1, 100.0]);
-    one.restitutions[0] = draw.pick(&[1.0, 1.0, 0.5, 0.0]);
+    one.restitution[0] = draw.pick(&[1.0, 1.0, 0.5, 0.0]);
     one.movable[0] = !draw.one_in(8);
     if draw.one_in(2) {
         let velocity = if radius > 0.0 { draw.pick(&[0.0, 0.0, 3.0]) } else { 0.0 };

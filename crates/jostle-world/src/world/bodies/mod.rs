@@ -8,13 +8,11 @@
 pub(crate) mod ids;
 pub(crate) mod discs;
 pub(crate) mod asleep;
-mod defaults;
 
 use std::sync::OnceLock;
 
 use crate::particles::{Particles, Spin};
 use asleep::Asleep;
-pub use defaults::Defaults;
 use discs::Discs;
 use ids::Ids;
 use jostle_base::error::Result;
@@ -34,10 +32,9 @@ pub struct Bodies {
     pub(crate) ids: Ids,
     /// The index of each row, once it was needed.
     indices: OnceLock<Vec<u32>>,
-    pub(crate) defaults: Defaults,
 }
 
-saved! { struct Bodies { awake, asleep, ids, defaults; indices } }
+saved! { struct Bodies { awake, asleep, ids; indices } }
 
 impl Bodies {
     /// Number of particles.
@@ -98,8 +95,8 @@ impl Bodies {
     }
 
     /// Restitutions in the order of adding.
-    pub fn restitutions(&self) -> Result<Vec<f32>> {
-        self.column(|all, at| all.restitutions[at])
+    pub fn restitution(&self) -> Result<Vec<f32>> {
+        self.column(|all, at| all.restitution[at])
     }
 
     /// Whether each particle can be moved, in the order of adding.

@@ -110,7 +110,7 @@ pub(super) fn note_motions(
     let gravity = magnitude(settings.gravity);
     let Discs { particles, persistent, rows } = discs;
     let recent = &mut persistent.recent_motions;
-    let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
+    let Particles { velocities, radii, spins, restitution, .. } = &*particles;
     memory::resize(recent, rows.len(), RecentMotion::UNKNOWN)?;
     parallel::for_chunks(threads, recent, |first, recent| {
         for (recent, index) in recent.iter_mut().zip(first..) {
@@ -121,7 +121,7 @@ pub(super) fn note_motions(
             let square = (x * x + y * y).max(turn * turn);
             // A particle that keeps its energy may be slow at its highest point, and does not
             // come to rest.
-            let is_elastic = settings.restitution * restitutions[index] == 1.0;
+            let is_elastic = restitution[index] == 1.0;
             // √(g r) is the unit of speed, so the rule is the same for discs of any size and
             // any gravity.
             if is_elastic || square > FAST * FAST * gravity * f64::from(radii[index]) {

@@ -118,10 +118,10 @@ pub(super) fn finish(world: &mut World) -> Result<()> {
         .map_err(refused)?;
     let walls = memory::copy(mem::take(&mut boundaries.walls).all())?;
     boundaries.walls = Walls::new(walls, container, tree).map_err(refused)?;
-    boundaries.walls.set_sides(settings.side_restitutions());
+    boundaries.walls.set_sides(settings.present_sides());
     influences.check_walls(boundaries.walls.all().len()).map_err(refused)?;
     check_wall_impulses(boundaries, bodies)?;
-    bodies.ids.check(len).and_then(|()| bodies.defaults.validate()).map_err(refused)?;
+    bodies.ids.check(len).map_err(refused)?;
     if let Some(external) = &external.accelerations {
         ensure(external.len() == len, "it has accelerations of no particles")?;
         check_vectors("accelerations", external).map_err(refused)?;
