@@ -1,11 +1,17 @@
-//! `jostle.Box`, `jostle.Circle` and `jostle.Torus`: the containers of a world.
+//! `jostle.Box` and `jostle.Circle`: the containers of a world.
 
-use jostle_world::Container;
+use jostle_base::Error;
+use jostle_index::Each;
+use jostle_world::{Container, Sides, Surface};
+use numpy::PyArray1;
+use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyTuple};
 
-use crate::arrays::{decimal, number, point};
+use crate::arrays::{Argument, Given, column, decimal, number, point, read_only, table};
 use crate::error::refused;
+use crate::walls;
 
 /// Four walls around a rectangle: a container of a `World`.
 ///
@@ -15,6 +21,10 @@ use crate::error::refused;
 /// ----------
 /// min_x, min_y, max_x, max_y : float
 ///     Its sides, in units of length; min below max. Stored as float32.
+/// restitution, friction : array_like, a number or shape (4,), optional
+///     Coefficients of the sides at min x, max x, min y and max y. A contact
+///     has the square root of the product with that of the particle; None, for all or for one side,
+///     is that of the particle.
 ///
 /// Raises
 /// ------
@@ -25,7 +35,7 @@ use crate::error::refused;
 ///
 /// See Also
 /// --------
-/// Circle, Torus : Other containers.
+/// Circle : Another container.
 /// World.walls : Line segments anywhere.
 ///
 /// Examples
@@ -40,6 +50,7 @@ use crate::error::refused;
 pub struct PyBox {
     min: [f32; 2],
     max: [f32; 2],
+    sides: Sides,
 }
 
 #[pymethods]
@@ -49,16 +60,21 @@ impl PyBox {
     const MATCH_ARGS: (&str, &str, &str, &str) = ("min_x", "min_y", "max_x", "max_y");
 
     #[new]
+    #[pyo3(signature = (min_x, min_y, max_x, max_y, *, restitution=None, friction=None))]
     fn new(
         min_x: &Bound<'_, PyAny>,
         min_y: &Bound<'_, PyAny>,
         max_x: &Bound<'_, PyAny>,
         max_y: &Bound<'_, PyAny>,
+        restitution: Option<&Bound<'_, PyAny>>,
+        friction: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let min = [number("min_x", min_x)? as f32, number("min_y", min_y)? as f32];
         let max = [number("max_x", max_x)? as f32, number("max_y", max_y)? as f32];
         Container::Box { min, max }.validate().map_err(refused)?;
-        Ok(Self { min, max })
+        let sides = sides(restitution, friction)?;
+        sides.validate(false).map_err(refused)?;
+        Ok(Self { min, max, sides })
     }
 
     /// Left side.
@@ -85,17 +101,95 @@ impl PyBox {
         decimal(self.max[1])
     }
 
-    fn __getnewargs__(&self) -> (f64, f64, f64, f64) {
-        (self.min_x(), self.min_y(), self.max_x(), self.max_y())
+    /// Left, top, right and bottom where y grows downwards: ndarray of float64, shape (4,), in the order
+    /// min x, min y, max x, max y, as the rows of `Space.bounds`.
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let (min_x, min_y, max_x, max_y) = self.numbers();
+        read_only(column(py, vec![min_x, min_y, max_x, max_y]))
+    }
+
+    /// Its area.
+    #[getter]
+    fn area(&self) -> f64 {
+        let (min_x, min_y, max_x, max_y) = self.numbers();
+        (max_x - min_x) * (max_y - min_y)
+    }
+
+    /// Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
+    /// particle.
+    #[getter]
+    fn restitution(&self) -> Shown {
+        restitution(&self.sides)
+    }
+
+    /// Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
+    /// particle.
+    #[getter]
+    fn friction(&self) -> Shown {
+        friction(&self.sides)
+    }
+
+    /// Whether points lie inside or on the sides.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : array_like, shape (k, 2), or (2,) for one point
+    ///     In units of length.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of bool, shape (k,), or bool
+    ///     For each point, or for the only one.
+    ///
+    /// See Also
+    /// --------
+    /// clip : Moves points inside.
+    fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        contains(self, points)
+    }
+
+    /// Return the nearest places inside.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : array_like, shape (k, 2), or (2,) for one point
+    ///     In units of length.
+    /// margin : float, default 0.0
+    ///     The distance from the sides that is kept, as the radius of discs. If there is not so much
+    ///     room, the place is in the middle.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (k, 2), or (2,) for one point
+    ///     The points that are inside already are as they were.
+    ///
+    /// See Also
+    /// --------
+    /// contains : Whether points are inside.
+    #[pyo3(signature = (points, margin=Given::NOTHING), text_signature = "($self, points, margin=0.0)")]
+    fn clip<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        margin: Given<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        clip(self, points, &margin)
+    }
+
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((f64, f64, f64, f64), Bound<'py, PyDict>)> {
+        Ok((self.numbers(), keywords(py, &self.sides)?))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
+        (self.numbers(), self.restitution(), self.friction()).into_pyobject(py)?.hash()
     }
 
     fn __repr__(&self) -> String {
-        let (min_x, min_y, max_x, max_y) = self.__getnewargs__();
-        format!("Box({min_x:?}, {min_y:?}, {max_x:?}, {max_y:?})")
+        let (min_x, min_y, max_x, max_y) = self.numbers();
+        format!("Box({min_x:?}, {min_y:?}, {max_x:?}, {max_y:?}{})", text(&self.sides))
     }
 }
 
@@ -109,6 +203,9 @@ impl PyBox {
 ///     Its centre, in units of length. Stored as float32.
 /// radius : float
 ///     Its radius, above 0. Stored as float32.
+/// restitution, friction : float, optional
+///     Coefficients of its side. A contact has the square root of the product with that of the
+///     particle; None is that of the particle.
 ///
 /// Raises
 /// ------
@@ -119,18 +216,19 @@ impl PyBox {
 ///
 /// See Also
 /// --------
-/// Box, Torus : Other containers.
+/// Box : Another container.
 ///
 /// Examples
 /// --------
 /// >>> import jostle
-/// >>> jostle.Circle((400, 250), radius=240).center
-/// (400.0, 250.0)
+/// >>> jostle.Circle((400, 250), radius=240, restitution=0.5)
+/// Circle((400.0, 250.0), 240.0, restitution=0.5)
 #[pyclass(module = "jostle", name = "Circle", frozen, eq)]
 #[derive(PartialEq)]
 pub struct PyCircle {
     center: [f32; 2],
     radius: f32,
+    sides: Sides,
 }
 
 #[pymethods]
@@ -140,16 +238,24 @@ impl PyCircle {
     const MATCH_ARGS: (&str, &str) = ("center", "radius");
 
     #[new]
-    fn new(center: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
+    #[pyo3(signature = (center, radius, *, restitution=None, friction=None))]
+    fn new(
+        center: &Bound<'_, PyAny>,
+        radius: &Bound<'_, PyAny>,
+        restitution: Option<&Bound<'_, PyAny>>,
+        friction: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
         let (center, radius) = (point("center", center)?, number("radius", radius)? as f32);
         Container::Circle { center, radius }.validate().map_err(refused)?;
-        Ok(Self { center, radius })
+        let sides = sides(restitution, friction)?;
+        sides.validate(true).map_err(refused)?;
+        Ok(Self { center, radius, sides })
     }
 
-    /// Its centre, (x, y).
+    /// Its centre: ndarray of float64, shape (2,).
     #[getter]
-    fn center(&self) -> (f64, f64) {
-        self.center.map(decimal).into()
+    fn center<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        read_only(column(py, self.center.map(decimal).to_vec()))
     }
 
     /// Its radius.
@@ -158,113 +264,309 @@ impl PyCircle {
         decimal(self.radius)
     }
 
-    fn __getnewargs__(&self) -> ((f64, f64), f64) {
-        (self.center(), self.radius())
+    /// The rectangle around it: ndarray of float64, shape (4,), in the order min x, min y, max x, max y.
+    #[getter]
+    fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let ([x, y], r) = (self.center.map(decimal), self.radius());
+        read_only(column(py, vec![x - r, y - r, x + r, y + r]))
+    }
+
+    /// Its area.
+    #[getter]
+    fn area(&self) -> f64 {
+        std::f64::consts::PI * self.radius() * self.radius()
+    }
+
+    /// Coefficient of restitution of its side: a number, or None for that of the
+    /// particle.
+    #[getter]
+    fn restitution(&self) -> Shown {
+        restitution(&self.sides)
+    }
+
+    /// Coefficient of friction of its side: a number, or None for that of the
+    /// particle.
+    #[getter]
+    fn friction(&self) -> Shown {
+        friction(&self.sides)
+    }
+
+    /// Whether points lie inside or on the sides.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : array_like, shape (k, 2), or (2,) for one point
+    ///     In units of length.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of bool, shape (k,), or bool
+    ///     For each point, or for the only one.
+    ///
+    /// See Also
+    /// --------
+    /// clip : Moves points inside.
+    fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        contains(self, points)
+    }
+
+    /// Return the nearest places inside.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : array_like, shape (k, 2), or (2,) for one point
+    ///     In units of length.
+    /// margin : float, default 0.0
+    ///     The distance from the sides that is kept, as the radius of discs. If there is not so much
+    ///     room, the place is in the middle.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (k, 2), or (2,) for one point
+    ///     The points that are inside already are as they were.
+    ///
+    /// See Also
+    /// --------
+    /// contains : Whether points are inside.
+    #[pyo3(signature = (points, margin=Given::NOTHING), text_signature = "($self, points, margin=0.0)")]
+    fn clip<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        margin: Given<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        clip(self, points, &margin)
+    }
+
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(((f64, f64), f64), Bound<'py, PyDict>)> {
+        Ok(((self.place(), self.radius()), keywords(py, &self.sides)?))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
+        (self.place(), self.radius(), self.restitution(), self.friction()).into_pyobject(py)?.hash()
     }
 
     fn __repr__(&self) -> String {
-        format!("Circle({:?}, {:?})", self.center(), self.radius())
+        format!("Circle({:?}, {:?}{})", self.place(), self.radius(), text(&self.sides))
     }
 }
 
-/// A periodic rectangle from (0, 0): a particle that leaves on the right enters on the
-/// left.
-///
-/// Parameters
-/// ----------
-/// width, height : float
-///     Its sides, in units of length, above 0. Stored as float32.
-///
-/// Raises
-/// ------
-/// TypeError
-///     If an argument is not a number.
-/// ValueError
-///     If a side is not finite and above 0.
-///
-/// See Also
-/// --------
-/// Box, Circle : Containers with walls.
-///
-/// Examples
-/// --------
-/// >>> import jostle
-/// >>> jostle.Torus(800, 500)
-/// Torus(800.0, 500.0)
-#[pyclass(module = "jostle", name = "Torus", frozen, eq)]
-#[derive(PartialEq)]
-pub struct PyTorus {
-    size: [f32; 2],
+/// The shape of a container.
+trait Region {
+    /// The container of the core.
+    fn container(&self) -> Container;
+
+    /// The nearest place that is at least `margin` inside.
+    fn clipped(&self, point: [f64; 2], margin: f64) -> [f64; 2];
+
+    fn contains(&self, point: [f64; 2]) -> bool;
 }
 
-#[pymethods]
-impl PyTorus {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str) = ("width", "height");
-
-    #[new]
-    fn new(width: &Bound<'_, PyAny>, height: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let size = [number("width", width)? as f32, number("height", height)? as f32];
-        Container::Torus { size }.validate().map_err(refused)?;
-        Ok(Self { size })
+impl Region for PyBox {
+    fn container(&self) -> Container {
+        Container::Box { min: self.min, max: self.max }
     }
 
-    /// From left to right.
-    #[getter]
-    fn width(&self) -> f64 {
-        decimal(self.size[0])
+    fn clipped(&self, point: [f64; 2], margin: f64) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let [min, max] = [f64::from(self.min[k]) + margin, f64::from(self.max[k]) - margin];
+            if min > max { 0.5 * (min + max) } else { point[k].clamp(min, max) }
+        })
     }
 
-    /// From top to bottom.
-    #[getter]
-    fn height(&self) -> f64 {
-        decimal(self.size[1])
+    fn contains(&self, point: [f64; 2]) -> bool {
+        (0..2).all(|k| (f64::from(self.min[k])..=f64::from(self.max[k])).contains(&point[k]))
+    }
+}
+
+impl Region for PyCircle {
+    fn container(&self) -> Container {
+        Container::Circle { center: self.center, radius: self.radius }
     }
 
-    fn __getnewargs__(&self) -> (f64, f64) {
-        (self.width(), self.height())
+    fn clipped(&self, point: [f64; 2], margin: f64) -> [f64; 2] {
+        let offset = self.offset(point);
+        let (distance, most) = (offset[0].hypot(offset[1]), f64::from(self.radius) - margin);
+        if distance <= most {
+            return point;
+        }
+        let share = most.max(0.0) / distance;
+        [0, 1].map(|k| f64::from(self.center[k]) + share * offset[k])
     }
 
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
+    fn contains(&self, point: [f64; 2]) -> bool {
+        let [x, y] = self.offset(point);
+        x * x + y * y <= f64::from(self.radius) * f64::from(self.radius)
+    }
+}
+
+impl PyBox {
+    fn numbers(&self) -> (f64, f64, f64, f64) {
+        (self.min_x(), self.min_y(), self.max_x(), self.max_y())
+    }
+}
+
+impl PyCircle {
+    fn place(&self) -> (f64, f64) {
+        self.center.map(decimal).into()
     }
 
-    fn __repr__(&self) -> String {
-        format!("Torus({:?}, {:?})", self.width(), self.height())
+    fn offset(&self, point: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| point[k] - f64::from(self.center[k]))
     }
+}
+
+/// Whether each point is inside; a bool for a single point.
+fn contains<'py>(region: &impl Region, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = points.py();
+    let points: Each<[f64; 2]> = Argument::reals("points", points)?.one_or_rows()?;
+    match points {
+        Each::One(point) => region.contains(point).into_bound_py_any(py),
+        Each::Rows(all) => {
+            Ok(column(py, all.into_iter().map(|point| region.contains(point)).collect()).into_any())
+        }
+    }
+}
+
+/// The points, moved to at least `margin` inside.
+fn clip<'py>(
+    region: &impl Region,
+    points: &Bound<'py, PyAny>,
+    margin: &Given<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = points.py();
+    let margin = margin.value().map_or(Ok(0.0), |value| number("margin", value))?;
+    if !(margin >= 0.0 && margin.is_finite()) {
+        return Err(refused(Error::of("margin", margin, "it must be finite and at least 0")));
+    }
+    let points: Each<[f64; 2]> = Argument::reals("points", points)?.one_or_rows()?;
+    match points {
+        Each::One(point) => Ok(column(py, region.clipped(point, margin).to_vec()).into_any()),
+        Each::Rows(all) => {
+            let all = all.into_iter().map(|point| region.clipped(point, margin)).collect();
+            Ok(table(py, all)?.into_any())
+        }
+    }
+}
+
+/// A coefficient for each side, from a number or four; None, or NaN, is that of the particle.
+fn of_sides(name: &'static str, value: Option<&Bound<'_, PyAny>>) -> PyResult<[Option<f32>; 4]> {
+    let Some(value) = value else { return Ok([None; 4]) };
+    let plain = value.is_instance_of::<PyTuple>() || value.is_instance_of::<PyList>();
+    let each = if plain {
+        // NumPy would make objects of a list with None.
+        let number = |side: Bound<'_, PyAny>| -> PyResult<f64> {
+            if side.is_none() { Ok(f64::NAN) } else { side.extract() }
+        };
+        let all = value.try_iter()?.map(|side| number(side?)).collect::<PyResult<Vec<_>>>()?;
+        walls::coefficients(name, Some(PyTuple::new(value.py(), all)?.as_any()), 4)?
+    } else {
+        walls::coefficients(name, Some(value), 4)?
+    };
+    Ok([0, 1, 2, 3].map(each))
+}
+
+/// The coefficients of the sides of a container.
+fn sides(
+    restitution: Option<&Bound<'_, PyAny>>,
+    friction: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Sides> {
+    let restitution = of_sides("restitution", restitution)?;
+    let friction = of_sides("friction", friction)?;
+    let surface = |k: usize| Surface { restitution: restitution[k], friction: friction[k] };
+    Ok(Sides([0, 1, 2, 3].map(surface)))
+}
+
+/// What Python sees of a coefficient of the sides: None, a number, or four of these.
+#[derive(IntoPyObject)]
+enum Shown {
+    One(Option<f64>),
+    Four((Option<f64>, Option<f64>, Option<f64>, Option<f64>)),
+}
+
+impl Shown {
+    fn of(sides: &Sides, of: impl Fn(&Surface) -> Option<f32>) -> Self {
+        let [a, b, c, d] = sides.0.map(|side| of(&side).map(decimal));
+        if [b, c, d] == [a; 3] { Self::One(a) } else { Self::Four((a, b, c, d)) }
+    }
+
+    /// As a keyword in the text of a container; nothing for None.
+    fn keyword(&self, name: &str) -> String {
+        let plain = |one: &Option<f64>| one.map_or("None".into(), |one| format!("{one:?}"));
+        match self {
+            Self::One(None) => String::new(),
+            Self::One(one) => format!(", {name}={}", plain(one)),
+            Self::Four((a, b, c, d)) => {
+                let [a, b, c, d] = [a, b, c, d].map(plain);
+                format!(", {name}=({a}, {b}, {c}, {d})")
+            }
+        }
+    }
+}
+
+fn restitution(sides: &Sides) -> Shown {
+    Shown::of(sides, |side| side.restitution)
+}
+
+fn friction(sides: &Sides) -> Shown {
+    Shown::of(sides, |side| side.friction)
+}
+
+/// The keywords with which a container is made again.
+fn keywords<'py>(py: Python<'py>, sides: &Sides) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    all.set_item("restitution", restitution(sides))?;
+    all.set_item("friction", friction(sides))?;
+    Ok(all)
+}
+
+/// The keywords as text.
+fn text(sides: &Sides) -> String {
+    restitution(sides).keyword("restitution") + &friction(sides).keyword("friction")
 }
 
 /// The container of the core for a Python object; None is no container.
-pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Container> {
-    let Some(value) = value else { return Ok(Container::None) };
+pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<(Container, Sides)> {
+    let Some(value) = value else { return Ok(Default::default()) };
     if let Ok(found) = value.cast::<PyBox>() {
-        let &PyBox { min, max } = found.get();
-        Ok(Container::Box { min, max })
+        Ok((found.get().container(), found.get().sides))
     } else if let Ok(found) = value.cast::<PyCircle>() {
-        let &PyCircle { center, radius } = found.get();
-        Ok(Container::Circle { center, radius })
-    } else if let Ok(found) = value.cast::<PyTorus>() {
-        Ok(Container::Torus { size: found.get().size })
+        Ok((found.get().container(), found.get().sides))
     } else {
         let found = value.get_type().name()?;
-        let rule = "container must be a jostle.Box, jostle.Circle, jostle.Torus or None";
+        let rule = "container must be a jostle.Box, jostle.Circle or None";
         Err(PyTypeError::new_err(format!("{rule}, not {found}")))
     }
 }
 
 /// The Python object for a container of the core.
-pub fn show(py: Python<'_>, container: Container) -> PyResult<Option<Py<PyAny>>> {
+pub fn show(py: Python<'_>, container: Container, sides: Sides) -> PyResult<Option<Py<PyAny>>> {
     Ok(match container {
-        Container::None => None,
-        Container::Box { min, max } => Some(Py::new(py, PyBox { min, max })?.into_any()),
+        Container::None | Container::Torus { .. } => None,
+        Container::Box { min, max } => Some(Py::new(py, PyBox { min, max, sides })?.into_any()),
         Container::Circle { center, radius } => {
-            Some(Py::new(py, PyCircle { center, radius })?.into_any())
+            Some(Py::new(py, PyCircle { center, radius, sides })?.into_any())
         }
-        Container::Torus { size } => Some(Py::new(py, PyTorus { size })?.into_any()),
     })
+}
+
+/// The period of a world: a number for both axes, or a pair.
+pub fn period(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<[f32; 2]>> {
+    let Some(value) = value else { return Ok(None) };
+    let size = match Argument::reals("period", value)?.half_sizes::<f32>(1)? {
+        Each::One(size) => size,
+        Each::Rows(_) => {
+            return Err(Argument::reals("period", value)?.wrong_shape("a number or (2,)"));
+        }
+    };
+    Container::Torus { size }.validate().map_err(refused)?;
+    Ok(Some(size))
+}
+
+/// The error for a world with a container and a period.
+pub fn both() -> PyErr {
+    let value = "given";
+    refused(Error::of("period", value, "a world has a container or a period, not both"))
 }

@@ -4,6 +4,7 @@
 mod allocator;
 mod error;
 mod interrupt;
+mod keywords;
 mod lock;
 mod files;
 mod masked;
@@ -42,7 +43,7 @@ mod _core {
     #[pymodule_export]
     use super::communicator::RankError;
     #[pymodule_export]
-    use super::containers::{PyBox, PyCircle, PyTorus};
+    use super::containers::{PyBox, PyCircle};
     #[pymodule_export]
     use super::events::{PyEvents, restore_events};
     #[pymodule_export]

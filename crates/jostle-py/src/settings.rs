@@ -7,7 +7,7 @@ use jostle_world::OnTouch;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::arrays::{Argument, Given, Maybe, count, number, reals, truth, word};
+use crate::arrays::{Argument, Given, Maybe, count, number, truth, word};
 use crate::error::{refused, value_error};
 
 // These numbers are written in the signatures.
@@ -139,10 +139,4 @@ pub fn tree(
         max_depth: self::max_depth(max_depth)?,
         threads: self::threads(threads)?,
     })
-}
-
-/// Coefficients of the four sides of the container: a number for all or one for each.
-pub fn sides(given: &Given<'_>) -> PyResult<Option<[f32; 4]>> {
-    let each = reals("container_restitution", given.value(), 4)?;
-    Ok(each.map(|each| [0, 1, 2, 3].map(|side| each.at(side))))
 }

@@ -1,15 +1,15 @@
 //! The walls of a world as arrays.
 
-use jostle_base::{Error, memory};
+use jostle_base::memory;
 use jostle_index::Each;
 use jostle_world::Wall;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, column, read_only, reals, segments, table};
+use crate::arrays::{Argument, column, read_only, reals, segments, table};
 use crate::error::refused;
 
-/// Elastic walls with the friction of the particles, from an array of shape (m, 2, 2) or None.
+/// Walls with the coefficients of the particles, from an array of shape (m, 2, 2) or None.
 pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
     let Some(value) = value else { return Ok(Vec::new()) };
     let ends = Argument::reals("walls", value)?.segments()?;
@@ -24,34 +24,29 @@ pub fn set_velocities(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> P
     Ok(())
 }
 
-/// Sets the coefficients of restitution: one number for all walls or one for each.
-pub fn set_restitution(walls: &mut [Wall], given: &Given<'_>) -> PyResult<()> {
-    if let Some(each) = reals("wall_restitution", given.value(), walls.len())? {
-        if let Each::One(one) = each
-            && !(0.0..=1.0).contains(&one)
-        {
-            let rule = "it must lie between 0 and 1";
-            return Err(refused(Error::of("wall_restitution", one, rule)));
-        }
-        (0..).zip(walls).for_each(|(row, wall)| wall.restitution = each.at(row));
-    }
+/// Sets the coefficients of restitution: one number for all walls or one for each; None, or NaN for
+/// one wall, is that of the particle.
+pub fn set_restitution(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    let each = coefficients("wall_restitution", value, walls.len())?;
+    (0..).zip(walls).for_each(|(row, wall)| wall.surface.restitution = each(row));
     Ok(())
 }
 
-/// Sets the coefficients of friction: one number for all walls or one for each; None, or NaN for
-/// one wall, is that of the particle.
+/// As [`set_restitution`], for coefficients of friction.
 pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    let each = reals::<f32>("wall_friction", value, walls.len())?;
-    if let Some(Each::One(one)) = each
-        && !(one >= 0.0 && one.is_finite())
-    {
-        let rule = "it must be finite and at least 0";
-        return Err(refused(Error::of("wall_friction", one, rule)));
-    }
-    for (row, wall) in (0..).zip(walls) {
-        wall.friction = each.as_ref().map(|each| each.at(row)).filter(|v| !v.is_nan());
-    }
+    let each = coefficients("wall_friction", value, walls.len())?;
+    (0..).zip(walls).for_each(|(row, wall)| wall.surface.friction = each(row));
     Ok(())
+}
+
+/// A coefficient for each of `len` surfaces. The core checks them.
+pub fn coefficients(
+    name: &'static str,
+    value: Option<&Bound<'_, PyAny>>,
+    len: usize,
+) -> PyResult<impl Fn(usize) -> Option<f32> + use<>> {
+    let each = reals::<f32>(name, value, len)?;
+    Ok(move |row: usize| each.as_ref().map(|each| each.at(row)).filter(|v| !v.is_nan()))
 }
 
 /// The ends of walls, shape (m, 2, 2).
@@ -65,12 +60,16 @@ pub fn velocities<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, P
     Ok(read_only(table(py, walls.iter().map(|wall| wall.velocity).collect())?))
 }
 
-/// Their coefficients of restitution.
+/// Their coefficients of restitution; NaN for that of the particle.
 pub fn restitution<'py>(py: Python<'py>, walls: &[Wall]) -> Bound<'py, PyArray1<f32>> {
-    read_only(column(py, walls.iter().map(|wall| wall.restitution).collect()))
+    read_only(column(py, shown(walls, |wall| wall.surface.restitution)))
 }
 
 /// Their coefficients of friction; NaN for that of the particle.
 pub fn friction<'py>(py: Python<'py>, walls: &[Wall]) -> Bound<'py, PyArray1<f32>> {
-    read_only(column(py, walls.iter().map(|wall| wall.friction.unwrap_or(f32::NAN)).collect()))
+    read_only(column(py, shown(walls, |wall| wall.surface.friction)))
+}
+
+fn shown(walls: &[Wall], of: impl Fn(&Wall) -> Option<f32>) -> Vec<f32> {
+    walls.iter().map(|wall| of(wall).unwrap_or(f32::NAN)).collect()
 }

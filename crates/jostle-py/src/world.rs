@@ -14,18 +14,20 @@ mod touches;
 
 use std::time::Duration;
 
-use jostle_index::Each;
-use jostle_world::{Defaults, Stage, World, WorldSettings};
+use jostle_world::{Changes, Container, Stage, Wall, World, WorldSettings};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-use crate::arrays::{Given, number, point, reals};
+use crate::arrays::{Given, number, point};
 use crate::containers;
 use crate::error::refused;
 use crate::forces::Forces;
 use crate::ids::one_id;
 use crate::interrupt::detached_to_the_end;
+use crate::keywords::Keywords;
 use crate::lock::{Guard, Shared};
-use crate::particles::{Arguments, Draft};
+use crate::particles::{self, Arguments};
 use crate::settings;
 use crate::walls;
 pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
@@ -44,68 +46,60 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 /// ----------
 /// positions : array_like, shape (n, 2)
 ///     Centres, in units of length.
-/// velocities : array_like, shape (n, 2)
-///     In units of length per second.
 /// radii : array_like, a number or shape (n,)
-///     In units of length: 0, or between 1e-18 and 1e18. If `radii`, `masses`, `densities` or
-///     `friction` is one number, it is also the default of particles that are added later.
+///     In units of length: 0, or between 1e-18 and 1e18.
+/// velocities : array_like, shape (2,) or (n, 2), default (0.0, 0.0)
+///     In units of length per second.
 /// masses : array_like, a number or shape (n,), optional
-///     In units of mass, above 0. If omitted, density times radius squared, without π, as in the
+///     In units of mass, above 0. If omitted, the squares of the radii, without π, as in the
 ///     article; required for a particle of radius 0.
-/// densities : array_like, a number or shape (n,), default 1.0
-///     Mass over radius squared; used if `masses` are omitted.
-/// movable : array_like of bool, one or shape (n,), optional
-///     Whether contacts and forces can change the velocity of the particle. If omitted, all are
-///     movable. An immovable particle keeps the velocity and the angular velocity that it is given:
+/// angles : array_like, a number or shape (n,), default 0.0
+///     In radians, positive from +x to +y.
+/// angular_velocities : array_like, a number or shape (n,), default 0.0
+///     In radians per second. The moment of inertia of a disc is m r²/2. Particles of
+///     radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
+///     velocities.
+/// friction : array_like, a number or shape (n,), default 0.0
+///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
+///     root of the product of both. Without friction particles do not begin to rotate.
+/// restitution : array_like, a number or shape (n,), default 1.0
+///     Coefficient of restitution of each particle: 0 inelastic, 1 elastic. A contact has the square
+///     root of the product of both.
+/// movable : array_like of bool, one or shape (n,), default True
+///     Whether contacts and forces can change the velocity of the particle. An immovable particle
+///     keeps the velocity and the angular velocity that it is given:
 ///     if both are 0 it is static, else kinematic. It pushes others and is not pushed, and walls
 ///     and the container do not stop it.
+/// sensors : array_like of bool, one or shape (n,), default False
+///     Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
+///     `events` and `contacts` report what touches it. See `World.sensors`.
+/// kinds : array_like of int, a number or shape (n,), default 0
+///     Kinds of the particles in each `PairForce`, from 0 to 63.
+/// categories, masks : array_like of int, a number or shape (n,), default 1 and all bits
+///     Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
+///     ``categories[j] & masks[i]``; others pass through each other at no cost. Walls, the container
+///     and forces do not depend on them.
 /// gravity : array_like, shape (2,), default (0.0, 0.0)
 ///     Acceleration, in units of length per second squared.
 /// drag : float, default 0.0
 ///     Linear damping, per second: dv/dt = -drag v.
-/// restitution : array_like, a number or shape (n,), default 1.0
-///     Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
-///     array has one for each particle. The coefficient of a contact is the product of
-///     the world's and those of both particles; at a wall, of the world's, that of the
-///     particle and that of the wall.
-/// friction : array_like, a number or shape (n,), default 0.0
-///     Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
-///     root of the product of both; at a wall, that of the particle. Without friction particles
-///     do not begin to rotate.
-/// angles : array_like, a number or shape (n,), optional
-///     In radians, positive from +x to +y; 0 if omitted.
-/// angular_velocities : array_like, a number or shape (n,), optional
-///     In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
-///     radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
-///     velocities.
-/// categories, masks : array_like of int, a number or shape (n,), optional
-///     Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-///     ``categories[j] & masks[i]``; others pass through each other at no cost. If omitted,
-///     categories are 1 and masks have all bits. Walls, the container and forces do not depend on
-///     them.
-/// sensors : array_like of bool, one or shape (n,), optional
-///     Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
-///     `events` and `contacts` report what touches it. If omitted, none is. See `World.sensors`.
-/// container : Box, Circle, Torus or None, optional
-///     The region of the particles. The first step moves particles that are outside into it.
-/// container_restitution : array_like, a number or shape (4,), default 1.0
-///     Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
-///     the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a
-///     side it is multiplied by the world's and that of the particle.
+/// container : Box, Circle or None, optional
+///     The region of the particles, with the coefficients of its sides. The first step moves
+///     particles that are outside into it.
+/// period : float or array_like, shape (2,), optional
+///     Width and height of a periodic plane, in place of a container: a particle that leaves on one
+///     side enters on the other. Positions are from 0 to the period.
 /// walls : array_like, shape (m, 2, 2), optional
 ///     Line segments, solid from both sides, from one end to the other; `polyline` makes
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
-///     a wall is pushed out in several steps. On a `Torus` walls act across the periodic boundary,
+///     a wall is pushed out in several steps. On a periodic plane walls act across its sides,
 ///     and a wall may extend over each side once at most.
 /// wall_velocities : array_like, shape (2,) or (m, 2), optional
 ///     Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
 ///     particles and are not pushed. Walls that share an end should have the same velocity. Nothing
 ///     falls asleep while a wall moves.
-/// wall_restitution : array_like, a number or shape (m,), default 1.0
-///     Coefficients of restitution of the walls; at a wall it is multiplied by the world's and that
-///     of the particle.
-/// wall_friction : array_like, a number or shape (m,), optional
-///     Coefficients of friction of the walls. A contact has the square root of the product with
+/// wall_restitution, wall_friction : array_like, a number or shape (m,), optional
+///     Coefficients of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
 ///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
@@ -146,8 +140,8 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 /// TypeError
 ///     If an argument has the wrong type.
 /// ValueError
-///     If a shape is wrong, a value is out of range, or a particle does not fit
-///     into the container; the message says which.
+///     If a shape is wrong, a value is out of range, a particle does not fit into the container, or
+///     there are a container and a period; the message says which.
 ///
 /// See Also
 /// --------
@@ -203,106 +197,32 @@ struct State {
 impl PyWorld {
     #[new]
     #[pyo3(
-        signature = (
-            positions, velocities, radii, *, masses=None, densities=Given::NOTHING, movable=None,
-            gravity=Given::NOTHING, drag=Given::NOTHING, restitution=Given::NOTHING,
-            friction=Given::NOTHING, angles=None, angular_velocities=None, categories=None,
-            masks=None, sensors=None, container=None, container_restitution=Given::NOTHING, walls=None,
-            wall_velocities=None, wall_restitution=Given::NOTHING, wall_friction=None,
-            forces=Given::NOTHING, on_touch=Given::NOTHING,
-            method=Given::NOTHING, threads=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, substeps=None,
-            sleeping=Given::NOTHING, track_events=Given::NOTHING,
-        ),
-        text_signature = "(positions, velocities, radii, *, masses=None, densities=1.0, \
-                          movable=None, gravity=(0.0, 0.0), drag=0.0, restitution=1.0, \
-                          friction=0.0, angles=None, angular_velocities=None, categories=None, \
-                          masks=None, sensors=None, container=None, \
-                          container_restitution=1.0, walls=None, \
-                          wall_velocities=None, wall_restitution=1.0, \
-                          wall_friction=None, forces=(), on_touch='bounce', method='quadtree', \
-                          threads=None, leaf_capacity=96, max_depth=4096, substeps=None, sleeping=True, \
-                          track_events=False)"
+        signature = (positions=None, radii=None, **keywords),
+        text_signature = "(positions=None, radii=None, *, velocities=(0.0, 0.0), masses=None, \
+                          angles=0.0, angular_velocities=0.0, friction=0.0, restitution=1.0, \
+                          movable=True, sensors=False, kinds=0, categories=1, masks=4294967295, \
+                          gravity=(0.0, 0.0), drag=0.0, container=None, period=None, walls=None, \
+                          wall_velocities=None, wall_restitution=None, wall_friction=None, \
+                          forces=(), on_touch='bounce', sleeping=True, substeps=None, \
+                          track_events=False, method='quadtree', threads=None, \
+                          leaf_capacity=96, max_depth=4096)"
     )]
-    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
         py: Python<'py>,
-        positions: &Bound<'py, PyAny>,
-        velocities: &Bound<'py, PyAny>,
-        radii: &Bound<'py, PyAny>,
-        masses: Option<Bound<'py, PyAny>>,
-        densities: Given<'py>,
-        movable: Option<Bound<'py, PyAny>>,
-        gravity: Given<'py>,
-        drag: Given<'py>,
-        restitution: Given<'py>,
-        friction: Given<'py>,
-        angles: Option<Bound<'py, PyAny>>,
-        angular_velocities: Option<Bound<'py, PyAny>>,
-        categories: Option<Bound<'py, PyAny>>,
-        masks: Option<Bound<'py, PyAny>>,
-        sensors: Option<Bound<'py, PyAny>>,
-        container: Option<&Bound<'py, PyAny>>,
-        container_restitution: Given<'py>,
-        walls: Option<&Bound<'py, PyAny>>,
-        wall_velocities: Option<&Bound<'py, PyAny>>,
-        wall_restitution: Given<'py>,
-        wall_friction: Option<&Bound<'py, PyAny>>,
-        forces: Given<'py>,
-        on_touch: Given<'py>,
-        method: Given<'py>,
-        threads: Option<&Bound<'py, PyAny>>,
-        leaf_capacity: Given<'py>,
-        max_depth: Given<'py>,
-        substeps: Option<&Bound<'py, PyAny>>,
-        sleeping: Given<'py>,
-        track_events: Given<'py>,
+        positions: Option<&Bound<'py, PyAny>>,
+        radii: Option<&Bound<'py, PyAny>>,
+        keywords: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
-        let (columns, len) = Draft::of_new(positions, velocities, radii)?;
-        let densities = reals("densities", densities.value(), len)?;
-        let arguments = Arguments {
-            masses,
-            movable,
-            friction: friction.value().cloned(),
-            angles,
-            angular_velocities,
-            categories,
-            masks,
-            sensors,
-            ..Arguments::default()
-        };
-        let mut draft = Draft { columns: arguments.read(len, columns)?, densities };
-        let mut rules = WorldSettings {
-            container: containers::read(container)?,
-            on_touch: settings::on_touch(&on_touch)?,
-            method: settings::method(&method)?,
-            substeps: settings::substeps(substeps)?,
-            sleeping: settings::sleeping(&sleeping)?,
-            track_events: settings::track_events(&track_events)?,
-            tree: settings::tree(&leaf_capacity, &max_depth, threads)?,
-            ..WorldSettings::default()
-        };
-        if let Some(gravity) = gravity.value() {
-            rules.gravity = point("gravity", gravity)?;
-        }
-        if let Some(drag) = drag.value() {
-            rules.drag = number("drag", drag)? as f32;
-        }
-        if let Some(sides) = settings::sides(&container_restitution)? {
-            rules.container_restitution = sides;
-        }
-        match reals("restitution", restitution.value(), len)? {
-            Some(Each::One(one)) => rules.restitution = one,
-            rows => draft.columns.restitution = rows,
-        }
-        let forces = forces.value().map_or(Ok(Forces::default()), Forces::read)?;
-        let mut walls = walls::read(walls)?;
-        walls::set_velocities(&mut walls, wall_velocities)?;
-        walls::set_restitution(&mut walls, &wall_restitution)?;
-        walls::set_friction(&mut walls, wall_friction)?;
+        let mut keywords = Keywords::of("World()", keywords)?;
+        let arguments = Arguments { radii: radii.cloned(), ..Arguments::of(&mut keywords)? };
+        let rules = read_rules(&mut keywords)?;
+        let walls = read_walls(&mut keywords)?;
+        let forces = keywords.take("forces")?;
+        keywords.end()?;
+        let forces = forces.map_or(Ok(Forces::default()), |all| Forces::read(&all))?;
+        let (columns, len) = read_particles(positions, arguments)?;
         let world = py.detach(|| {
-            let defaults = draft.defaults(Defaults::default());
-            let mut world = World::new(draft.particles(len, &defaults)?, rules)?;
-            world.set_defaults(defaults)?;
+            let mut world = World::new(particles::particles(&columns, len)?, rules)?;
             world.set_walls(walls)?;
             forces.assign(&mut world)?;
             Ok(world)
@@ -367,4 +287,61 @@ impl PyWorld {
         });
         changed?.map_err(refused)
     }
+}
+
+/// The columns of the particles of a new world, and how many these are.
+fn read_particles<'py>(
+    positions: Option<&Bound<'py, PyAny>>,
+    arguments: Arguments<'py>,
+) -> PyResult<(Changes, usize)> {
+    let needs = |name, other| PyTypeError::new_err(format!("World() needs {name} with {other}"));
+    match (positions, arguments.first()) {
+        (None, Some(column)) => Err(needs("positions", column)),
+        (Some(_), _) if arguments.radii.is_none() => Err(needs("radii", "positions")),
+        (Some(positions), _) => {
+            let (columns, many) = arguments.read_new(positions)?;
+            Ok((columns, many.unwrap_or(1)))
+        }
+        (None, None) => Ok((Changes::default(), 0)),
+    }
+}
+
+/// The settings of a new world.
+fn read_rules(keywords: &mut Keywords<'_>) -> PyResult<WorldSettings> {
+    let mut given = |name| keywords.take(name).map(Given::of);
+    let (gravity, drag) = (given("gravity")?, given("drag")?);
+    let (on_touch, method) = (given("on_touch")?, given("method")?);
+    let (sleeping, track_events) = (given("sleeping")?, given("track_events")?);
+    let (leaf_capacity, max_depth) = (given("leaf_capacity")?, given("max_depth")?);
+    let threads = keywords.take_some("threads")?;
+    let substeps = keywords.take_some("substeps")?;
+    let (mut container, sides) = containers::read(keywords.take_some("container")?.as_ref())?;
+    if let Some(size) = containers::period(keywords.take_some("period")?.as_ref())? {
+        if container != Container::None {
+            return Err(containers::both());
+        }
+        container = Container::Torus { size };
+    }
+    let default = WorldSettings::default();
+    Ok(WorldSettings {
+        gravity: gravity.value().map_or(Ok(default.gravity), |xy| point("gravity", xy))?,
+        drag: drag.value().map_or(Ok(0.0), |of| number("drag", of))? as f32,
+        container,
+        sides,
+        on_touch: settings::on_touch(&on_touch)?,
+        method: settings::method(&method)?,
+        substeps: settings::substeps(substeps.as_ref())?,
+        sleeping: settings::sleeping(&sleeping)?,
+        track_events: settings::track_events(&track_events)?,
+        tree: settings::tree(&leaf_capacity, &max_depth, threads.as_ref())?,
+    })
+}
+
+/// The walls of a new world.
+fn read_walls(keywords: &mut Keywords<'_>) -> PyResult<Vec<Wall>> {
+    let mut all = walls::read(keywords.take_some("walls")?.as_ref())?;
+    walls::set_velocities(&mut all, keywords.take_some("wall_velocities")?.as_ref())?;
+    walls::set_restitution(&mut all, keywords.take_some("wall_restitution")?.as_ref())?;
+    walls::set_friction(&mut all, keywords.take_some("wall_friction")?.as_ref())?;
+    Ok(all)
 }

@@ -97,6 +97,11 @@ impl Inner {
 }
 
 impl Container {
+    /// Whether it is a torus.
+    pub fn has_period(&self) -> bool {
+        matches!(self, Self::Torus { .. })
+    }
+
     /// Whether it has sides.
     pub fn has_sides(&self) -> bool {
         // Loops over all discs ask this, so no side is computed for it.

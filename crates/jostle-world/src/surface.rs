@@ -76,7 +76,7 @@ impl Sides {
     }
 
     /// Refuses values out of range, and different ones of a round container.
-    pub(crate) fn validate(&self, is_round: bool) -> Result<()> {
+    pub fn validate(&self, is_round: bool) -> Result<()> {
         for (index, side) in self.0.iter().enumerate() {
             side.validate(["restitution", "friction"], index)?;
         }

@@ -1,77 +1,95 @@
 //! The container and the walls as properties.
 
 use jostle_base::memory;
-use jostle_world::Wall;
+use jostle_world::{Container, Wall};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
 use super::PyWorld;
-use crate::arrays::{Given, column, read_only};
+use crate::arrays::{column, decimal, read_only};
 use crate::containers;
 use crate::error::refused;
-use crate::settings;
 use crate::walls;
 
 #[pymethods]
 impl PyWorld {
-    /// The region of the particles: a Box, Circle, Torus or None.
+    /// The region of the particles: a Box, Circle or None.
     ///
     /// See Also
     /// --------
     /// walls : Line segments.
-    /// container_restitution : The coefficients of its sides.
-    #[getter]
-    fn container(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
-        containers::show(py, self.rules(py)?.container)
-    }
-
-    #[setter]
-    fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let container = containers::read(value)?;
-        self.change_rules(py, |rules| rules.container = container)
-    }
-
-    /// Coefficients of restitution of the sides of the container: ndarray of float32, shape (4,), a
-    /// read-only copy in the order min x, max x, min y, max y.
-    ///
-    /// Assign an array or one number, 0 to 1. A `Circle` has one wall; its four are equal.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If one is not between 0 and 1, if the shape is wrong, or if those of a `Circle` differ.
+    /// period : A periodic plane instead.
     ///
     /// Examples
     /// --------
-    /// An inelastic floor between elastic walls:
+    /// An inelastic floor between walls with the coefficient of the disc:
     ///
     /// >>> import jostle
-    /// >>> world = jostle.World(
-    /// ...     [(5, 5)], [(3, -9)], radii=1.0, container=jostle.Box(0, 0, 10, 10),
-    /// ...     container_restitution=[1, 1, 0, 1],
-    /// ... )
+    /// >>> box = jostle.Box(0, 0, 10, 10, restitution=[None, None, 0, None])
+    /// >>> world = jostle.World([(5, 5)], 1.0, velocities=[(3, -9)], container=box)
     /// >>> world.step(0.1, steps=15)
     /// >>> world.velocities
     /// array([[-3.,  0.]], dtype=float32)
     #[getter]
-    fn container_restitution<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        Ok(read_only(column(py, self.rules(py)?.container_restitution.to_vec())))
+    fn container(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        let rules = self.rules(py)?;
+        containers::show(py, rules.container, rules.sides)
     }
 
     #[setter]
-    fn set_container_restitution(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let sides = settings::sides(&value)?;
+    fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let (container, sides) = containers::read(value)?;
         self.change_rules(py, |rules| {
-            rules.container_restitution = sides.unwrap_or(rules.container_restitution);
+            // None takes a container away, and no period.
+            let stays = container == Container::None && rules.container.has_period();
+            rules.container = if stays { rules.container } else { container };
+            rules.sides = sides;
         })
+    }
+
+    /// Width and height of the periodic plane: ndarray of float64, shape (2,), or None.
+    ///
+    /// A particle that leaves on one side enters on the other; positions are from 0 to the period. A
+    /// world has a container or a period.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is a container, or a side is not finite and above 0.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(9, 5)], 1.0, velocities=[(3, 0)], period=(10, 10))
+    /// >>> world.step(1.0)
+    /// >>> world.positions
+    /// array([[2., 5.]], dtype=float32)
+    #[getter]
+    fn period<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let Container::Torus { size } = self.rules(py)?.container else { return Ok(None) };
+        Ok(Some(read_only(column(py, size.map(decimal).to_vec()))))
+    }
+
+    #[setter]
+    fn set_period(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let period = containers::period(value)?;
+        let before = self.rules(py)?.container;
+        let is_torus = before.has_period() || before == Container::None;
+        let container = match period {
+            Some(_) if !is_torus => return Err(containers::both()),
+            Some(size) => Container::Torus { size },
+            None if is_torus => Container::None,
+            None => before,
+        };
+        self.change_rules(py, |rules| rules.container = container)
     }
 
     /// Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of line segments in
     /// units of length.
     ///
     /// Assign an array of this shape, or None for no walls. Wall k keeps the velocity and the
-    /// coefficients of the previous wall k; additional ones are at rest and have a restitution of 1
-    /// and the friction of the particles. All particles wake. Walls that are moved in this way
+    /// coefficients of the previous wall k; additional ones are at rest and have the coefficients of
+    /// the particles. All particles wake. Walls that are moved in this way
     /// transfer no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in
     /// several steps, to the side on which their centre is.
     ///
@@ -79,7 +97,7 @@ impl PyWorld {
     /// ------
     /// ValueError
     ///     If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
-    ///     equal, or a wall is longer than a side of a `Torus`.
+    ///     equal, or a wall is longer than a side of the period.
     ///
     /// See Also
     /// --------
@@ -107,7 +125,9 @@ impl PyWorld {
     fn set_walls(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let mut new = walls::read(value)?;
         for (wall, old) in new.iter_mut().zip(self.all_walls(py)?) {
-            *wall = Wall { ends: wall.ends, residuals: wall.residuals, ..old };
+            // A wall that has not moved keeps its residuals.
+            let residuals = if wall.ends == old.ends { old.residuals } else { wall.residuals };
+            *wall = Wall { ends: wall.ends, residuals, ..old };
         }
         self.change_walls(py, new)
     }
@@ -152,16 +172,21 @@ impl PyWorld {
 
     /// Coefficients of restitution of the walls: ndarray of float32, shape (m,), a read-only copy.
     ///
-    /// Assign an array or one number, 0 to 1.
+    /// NaN stands for the coefficient of the particle. Assign an array or one number, 0 to 1, or None for
+    /// NaN.
     #[getter]
     fn wall_restitution<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
         Ok(walls::restitution(py, &self.all_walls(py)?))
     }
 
     #[setter]
-    fn set_wall_restitution(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
+    fn set_wall_restitution(
+        &self,
+        py: Python<'_>,
+        value: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
         let mut all = self.all_walls(py)?;
-        walls::set_restitution(&mut all, &value)?;
+        walls::set_restitution(&mut all, value)?;
         self.change_walls(py, all)
     }
 

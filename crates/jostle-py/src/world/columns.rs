@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use super::{PyWorld, State};
 use crate::arrays::{column, read_only, table};
 use crate::error::refused;
-use crate::particles::{Arguments, Draft};
+use crate::particles::Arguments;
 
 /// Declares properties that are columns, by the names of their arguments.
 macro_rules! columns {
@@ -37,7 +37,9 @@ columns! {
     /// Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
     /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
     /// ``world.positions = world.positions + 1``, or change some particles with
-    /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
+    /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column. Assigning what was
+    /// read changes nothing and wakes nothing: a position that is the present one in float32 keeps
+    /// what rounding removed.
     positions, set_positions: PyArray2<f32> = vectors(Bodies::positions);
 
     /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
@@ -58,10 +60,10 @@ columns! {
     /// To change all, assign an array or one number; to change some, use `set`.
     masses, set_masses: PyArray1<f32> = column(Bodies::masses);
 
-    /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
+    /// Coefficients of restitution, 0 to 1: ndarray of float32, shape (n,), a read-only copy.
     ///
-    /// To change all, assign an array or one number; to change some, use `set`.
-    restitution, set_restitutions: PyArray1<f32> = column(Bodies::restitution);
+    /// A contact has the square root of the product of both. To change all, assign an array or one number; to change some, use `set`.
+    restitution, set_restitution: PyArray1<f32> = column(Bodies::restitution);
 
     /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
     ///
@@ -186,6 +188,12 @@ columns! {
     /// >>> world.velocities[0]
     /// array([900.,   0.], dtype=float32)
     sensors, set_sensors: PyArray1<bool> = column(Bodies::sensors);
+
+    /// Kinds: ndarray of uint8, shape (n,), a read-only copy of the rows of the particles in the
+    /// tables of each `PairForce`.
+    ///
+    /// To change all, assign an array or one number; to change some, use `set`.
+    kinds, set_kinds: PyArray1<u8> = column(Bodies::kinds);
 }
 
 #[pymethods]
@@ -252,7 +260,7 @@ impl PyWorld {
     /// Replaces whole columns.
     fn assign(&self, py: Python<'_>, columns: Arguments<'_>) -> PyResult<()> {
         let len = self.len(py)?;
-        let changes = columns.read(len, Changes::default())?;
+        let changes = columns.read(len)?;
         self.long(py, |state| state.write_all(changes, len))?.map_err(refused)
     }
 }
@@ -264,8 +272,6 @@ impl State {
             // Another thread has added or removed particles in the meantime.
             return Err(Error::Length { argument: "the new column", found, expected });
         }
-        self.world.set_all(&changes)?;
-        let draft = Draft { columns: changes, densities: None };
-        self.world.set_defaults(draft.defaults(self.world.defaults()))
+        self.world.set_all(&changes)
     }
 }

@@ -1,17 +1,15 @@
 //! Adding, removing, reading and changing particles.
 
 use jostle_base::{Id, memory};
-use jostle_index::Each;
-use jostle_world::Changes;
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::PyWorld;
-use crate::arrays::{column, reals};
+use crate::arrays::column;
 use crate::ids::Ids;
-use crate::particles::{Arguments, Draft, only_vector, vectors};
+use crate::keywords::Keywords;
+use crate::particles::{self, Arguments, only_vector, vectors};
 use crate::queries::result_of;
 use crate::results;
 
@@ -19,36 +17,16 @@ use crate::results;
 impl PyWorld {
     /// Add one particle or many, after the others.
     ///
-    /// The default of an omitted argument is the number that was last given for all particles: to
-    /// `World`, as in ``World(..., friction=0.5)``, or by assignment, as in ``world.friction =
-    /// 0.5``. An array with a number for each particle does not change the default.
-    ///
     /// Parameters
     /// ----------
-    /// positions, velocities : array_like, shape (k, 2), or (2,) for one particle
-    ///     Centres in units of length, and velocities in units of length per second.
-    /// radii : array_like, a number or shape (k,), optional
-    ///     Required if no number was given for all particles.
-    /// masses : array_like, a number or shape (k,), optional
-    ///     If omitted and no number was given for all particles, or if `densities` are given,
-    ///     density times radius squared, without π.
-    /// densities : array_like, a number or shape (k,), optional
-    ///     1.0 if no number was given to `World`.
-    /// restitution : array_like, a number or shape (k,), optional
-    ///     1.0 if no number was assigned to `world.restitution`; `world.restitution` is a factor
-    ///     of all contacts anyway.
-    /// movable : array_like of bool, one or shape (k,), default True
-    ///     Whether contacts and forces can change the velocity.
-    /// friction : array_like, a number or shape (k,), optional
-    ///     0.0 if no number was given for all particles.
-    /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
-    ///     In radians and in radians per second, positive from +x to +y.
-    /// categories, masks : array_like of int, a number or shape (k,), optional
-    ///     1 and all bits if no number was given for all particles.
-    /// sensors : array_like of bool, one or shape (k,), default False
-    ///     Whether the particle is a sensor.
-    /// kinds : array_like of int, a number or shape (k,), default 0
-    ///     Their kinds in each `PairForce`, from 0 to 63.
+    /// positions : array_like, shape (k, 2), or (2,) for one particle
+    ///     Centres, in units of length.
+    /// radii : array_like, a number or shape (k,)
+    ///     In units of length.
+    /// velocities, masses, angles, angular_velocities, friction, restitution, movable, sensors, kinds, \
+    /// categories, masks
+    ///     As for `World`. What is omitted has the default that is written there, whatever the other
+    ///     particles have.
     ///
     /// Returns
     /// -------
@@ -70,41 +48,35 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
-    /// >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
+    /// >>> world.add([(5, 0), (9, 0)], 0.5)
     /// array([1, 2])
-    /// >>> world.add((0, 5), velocities=(1, 0))
+    /// >>> world.add((0, 5), 2.0, velocities=(1, 0))
     /// 3
     /// >>> world.radii
-    /// array([1. , 0.5, 0.5, 1. ], dtype=float32)
+    /// array([1. , 0.5, 0.5, 2. ], dtype=float32)
     #[pyo3(
-        signature = (positions, velocities, radii=None, *, densities=None, **columns),
-        text_signature = "($self, positions, velocities, radii=None, *, masses=None, \
-                          densities=None, restitution=None, movable=None, friction=None, \
-                          angles=None, angular_velocities=None, categories=None, masks=None, \
-                          sensors=None, kinds=None)"
+        signature = (positions, radii, **columns),
+        text_signature = "($self, positions, radii, *, velocities=(0.0, 0.0), masses=None, \
+                          angles=0.0, angular_velocities=0.0, friction=0.0, restitution=1.0, \
+                          movable=True, sensors=False, kinds=0, categories=1, \
+                          masks=4294967295)"
     )]
     fn add<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
-        velocities: &Bound<'py, PyAny>,
-        radii: Option<&Bound<'py, PyAny>>,
-        densities: Option<&Bound<'py, PyAny>>,
+        radii: &Bound<'py, PyAny>,
         columns: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let arguments = Arguments::of("World.add()", columns)?;
-        let (columns, many) = Draft::of_one_or_many(positions, velocities, radii)?;
+        let mut keywords = Keywords::of("World.add()", columns)?;
+        let arguments = Arguments { radii: Some(radii.clone()), ..Arguments::of(&mut keywords)? };
+        keywords.end()?;
+        let (columns, many) = arguments.read_new(positions)?;
         let len = many.unwrap_or(1);
-        let densities = reals("densities", densities, len)?;
-        let draft = Draft { columns: arguments.read(len, columns)?, densities };
-        if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
-            let rule = "add needs radii: no number was given for all particles of this world";
-            return Err(PyTypeError::new_err(rule));
-        }
         let added = self.long(py, |state| {
             // The result before the change, which could not be returned otherwise.
             let mut ids = memory::with_capacity(len)?;
-            let particles = draft.particles(len, &state.world.defaults())?;
+            let particles = particles::particles(&columns, len)?;
             ids.extend(state.world.add(particles)?);
             Ok(ids)
         })?;
@@ -202,16 +174,12 @@ impl PyWorld {
         ids: &Bound<'_, PyAny>,
         columns: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let mut arguments = Arguments::of("World.set()", columns)?;
+        let mut keywords = Keywords::of("World.set()", columns)?;
+        let arguments = Arguments::of(&mut keywords)?;
+        keywords.end()?;
         let ids = Ids::read(ids, "particle")?;
-        let len = ids.all.len();
-        let [positions, velocities] = [arguments.positions.take(), arguments.velocities.take()];
-        let vectors = Changes {
-            positions: vectors_of(&ids, "positions", positions.as_ref())?.map(Each::Rows),
-            velocities: vectors_of(&ids, "velocities", velocities.as_ref())?.map(Each::Rows),
-            ..Changes::default()
-        };
-        let changes = arguments.read(len, vectors)?;
+        let changes =
+            if ids.single { arguments.read_one("id")? } else { arguments.read(ids.all.len())? };
         ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)
     }
 

@@ -2,11 +2,12 @@
 
 use std::convert::identity;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::PyWorld;
-use crate::arrays::{Given, decimal, number, point};
+use crate::arrays::{Given, column, decimal, number, point, read_only};
 use crate::error::refused;
 use crate::forces::{self, Forces};
 use crate::settings;
@@ -40,17 +41,9 @@ macro_rules! properties {
 }
 
 properties! {
-    /// Acceleration of all movable particles, (x, y), units of length per second squared.
-    gravity, set_gravity(&Bound<'_, PyAny>): (f64, f64)
-        = gravity, |xy: [f32; 2]| xy.map(decimal).into(), |value| point("gravity", value);
-
     /// Linear damping, per second.
     drag, set_drag(&Bound<'_, PyAny>): f64
         = drag, decimal, |value| real("drag", value);
-
-    /// The world's coefficient of restitution, 0 to 1; `restitution` has those of the particles.
-    restitution, set_restitution(&Bound<'_, PyAny>): f64
-        = restitution, decimal, |value| real("restitution", value);
 
     /// What happens to particles that touch: "bounce", "merge" or "ignore".
     on_touch, set_on_touch(Given<'_>): &'static str
@@ -105,17 +98,28 @@ impl PyWorld {
         self.long(py, |state| forces.assign(&mut state.world))?.map_err(refused)
     }
 
-    /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
-    /// for the latter. With None, a step in which heavy particles press on light ones has more; see
-    /// `stats.substeps`.
+    /// Acceleration of all movable particles: ndarray of float64, shape (2,), a read-only copy in units
+    /// of length per second squared.
+    #[getter]
+    fn gravity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(read_only(column(py, self.rules(py)?.gravity.map(decimal).to_vec())))
+    }
+
+    #[setter]
+    fn set_gravity(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let gravity = point("gravity", value)?;
+        self.change_rules(py, |rules| rules.gravity = gravity)
+    }
+
+    /// Sub-steps of a step, or None for as many as the scene needs.
     ///
     /// See Also
     /// --------
     /// stats : Sub-steps of the last step, among others.
     /// step : Advances the simulation.
     #[getter]
-    fn substeps(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.state(py)?.world.substeps())
+    fn substeps(&self, py: Python<'_>) -> PyResult<Option<usize>> {
+        Ok(self.rules(py)?.substeps)
     }
 
     #[setter]

@@ -15,7 +15,7 @@ use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
 use jostle_base::{memory, reserve};
-use jostle_index::shapes::MAX_ROWS;
+use jostle_index::shapes::{Each, MAX_ROWS};
 
 impl World {
     /// Adds particles after the others and returns their ids, which are above all ids before. An
@@ -181,6 +181,7 @@ impl Removal {
 
 fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
     changes.validate(rows.len())?;
+    let exact = exact_values(world, rows, changes)?;
     if let Some(radii) = &changes.radii {
         radii.check(|radii| world.settings.container.check_fit(radii))?;
     }
@@ -194,14 +195,42 @@ fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
         let before = world.bodies.particles_in(rows)?;
         let mut after = before.copied()?;
         changes.reserve(&mut after, rows.len())?;
-        changes.write(&mut after, &memory::collect(0..rows.len() as u32)?);
+        let all = memory::collect(0..rows.len() as u32)?;
+        [changes, &exact].into_iter().for_each(|new| new.write(&mut after, &all));
         wake_edited(world, rows, &before, &after)?
     } else {
         world.bodies.indices_of(rows)?
     };
     // As above, sleeping particles are left out.
-    changes.write(&mut world.bodies.awake.particles, &indices);
+    let awake = &mut world.bodies.awake.particles;
+    [changes, &exact].into_iter().for_each(|new| new.write(awake, &indices));
     Ok(())
+}
+
+/// What the changes leave out: of a position or an angle that is the present one in float32, what rounding removed.
+/// So assigning what was read changes nothing.
+fn exact_values(world: &World, rows: &[u32], changes: &Changes) -> Result<Changes> {
+    let mut exact = Changes::default();
+    let has_new_centers = changes.positions.is_some() && changes.residuals.is_none();
+    if !has_new_centers && changes.angles.is_none() {
+        return Ok(exact);
+    }
+    let indices = world.bodies.indices_of(rows)?;
+    let discs = || indices.iter().map(|&index| world.bodies.disc_at(index as usize)).enumerate();
+    if let Some(positions) = changes.positions.as_ref().filter(|_| has_new_centers) {
+        let residual = |(nth, (all, at)): (usize, (&Particles, usize))| {
+            if all.positions[at] == positions.at(nth) { all.residuals[at] } else { [0.0; 2] }
+        };
+        exact.residuals = Some(Each::Rows(memory::collect(discs().map(residual))?));
+    }
+    if let Some(angles) = &changes.angles {
+        let angle = |(nth, (all, at)): (usize, (&Particles, usize))| {
+            let (spin, new) = (all.spin(at), angles.at(nth));
+            if f64::from(spin.rounded_angle()) == new { spin.angle } else { new }
+        };
+        exact.angles = Some(Each::Rows(memory::collect(discs().map(angle))?));
+    }
+    Ok(exact)
 }
 
 /// Whether changes may wake particles, or concern those whose motion is observed.

@@ -295,9 +295,12 @@ impl World {
         self.boundaries.walls.all()
     }
 
-    /// Changes the walls. If they are refused, the old ones stay. All particles wake. Particles that
-    /// overlap a wall are pushed out in several steps.
+    /// Changes the walls. If they are refused, the old ones stay. All particles wake, unless the walls are
+    /// those that there are. Particles that overlap a wall are pushed out in several steps.
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
+        if walls == self.walls() {
+            return Ok(());
+        }
         self.influences.check_walls(walls.len())?;
         let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
         walls.set_sides(self.settings.present_sides());
@@ -357,6 +360,9 @@ impl World {
         influences.check_walls(self.walls().len())?;
         check_motors(&influences, &self.bodies)?;
         influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
+        if influences == self.influences {
+            return Ok(());
+        }
         wake_all(self)?;
         self.bodies.awake.persistent.recent_motions.clear();
         self.influences = influences;
