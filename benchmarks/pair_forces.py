@@ -70,10 +70,7 @@ def world_of(positions: Numbers, kinds: NDArray[np.int64], side: float) -> jostl
     force = jostle.PairForce.particle_life(
         kinds, life.MATRICES["dragons"], CUTOFF, CORE, strength=STRENGTH
     )
-    return jostle.World(
-        positions, np.zeros_like(positions), 2.0, masses=1.0, container=jostle.Torus(side, side),
-        on_touch="ignore", drag=DRAG, forces=[force], threads=1,
-    )  # fmt: skip
+    return jostle.World(positions, 2.0, masses=1.0, period=(side, side), on_touch="ignore", drag=DRAG, forces=[force], threads=1)  # fmt: skip
 
 
 def measure(n: int) -> Row:

@@ -45,7 +45,6 @@ def balls(count: int) -> jostle.World:
     rng = np.random.default_rng(2)
     world = jostle.World(
         rng.uniform((4, 4), (800 * scale - 4, 500 * scale - 4), (count, 2)),
-        np.zeros((count, 2)),
         rng.uniform(2, 3, count),
         gravity=(0, 200),
         restitution=0.5,

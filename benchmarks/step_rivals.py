@@ -118,8 +118,8 @@ def resumed(start: InitialState, threads: int) -> jostle.World:
     """Return a world that continues from an initial state."""
     return jostle.World(
         start.positions,
-        start.velocities,
         start.radii,
+        velocities=start.velocities,
         masses=start.masses,
         gravity=start.gravity,
         restitution=start.restitution,

@@ -11,13 +11,12 @@ rng = np.random.default_rng(2)
 places = rng.uniform((4, 4), (796, 496), (n, 2))
 world = jostle.World(
     places,
-    np.zeros((n, 2)),
     rng.uniform(2, 3, n),
     gravity=(0, 200),
     restitution=0.5,
     container=jostle.Box(0, 0, *show.SIZE),
 )
-plough = world.add([(180, 158)], [(0, 0)], 36, masses=1e6)
+plough = world.add([(180, 158)], 36, masses=1e6)
 
 # One ball of each colour is drawn once and copied: faster than drawing 10,000 circles.
 stamps = [pygame.Surface((8, 8), pygame.SRCALPHA) for _ in show.RAMP]

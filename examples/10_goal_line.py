@@ -11,12 +11,12 @@ rng = np.random.default_rng(10)
 grid = np.stack(np.meshgrid(np.linspace(200, 600, 10), np.linspace(60, 440, 6)), -1)
 world = jostle.World(
     grid.reshape(n, 2),
-    rng.normal(0, 160, (n, 2)),
-    radii=9.0,
+    9.0,
+    velocities=rng.normal(0, 160, (n, 2)),
     container=jostle.Box(0, 0, *show.SIZE),
     track_events=True,
 )
-goals = world.add([(0, 250), (800, 250)], [(0, 0)] * 2, radii=80.0, movable=False, sensors=True)
+goals = world.add([(0, 250), (800, 250)], 80.0, movable=False, sensors=True)
 scores, hits = np.zeros(2, int), 0
 
 for screen in show.frames("Goal line", until=240):

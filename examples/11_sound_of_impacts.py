@@ -13,7 +13,6 @@ n, rate, seconds = 120, 44100, 3
 rng = np.random.default_rng(11)
 world = jostle.World(
     rng.uniform((20, -1500), (780, 380), (n, 2)),
-    np.zeros((n, 2)),
     rng.uniform(6, 18, n),
     gravity=(0, 900),
     restitution=0.8,

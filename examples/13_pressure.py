@@ -14,14 +14,16 @@ def pressures(share: float) -> tuple[float, float]:
     """Return the pressure of N elastic discs that cover a share of the box, and Henderson's."""
     radius = np.sqrt(share * SIDE**2 / (N * np.pi))
     box = jostle.Box(0, 0, SIDE, SIDE)
-    world = jostle.World(grid * SIDE, rng.normal(0, 60, (N, 2)), radius, masses=1.0, container=box)
+    world = jostle.World(
+        grid * SIDE, radius, velocities=rng.normal(0, 60, (N, 2)), masses=1.0, container=box
+    )
     world.step(1 / 60, steps=60)
     impulse = 0.0
     for _ in range(STEPS):
         world.step(1 / 60)
         impulse += world.wall_contacts.normal_impulses.sum()
     side = SIDE - 2 * radius  # of the square in which centres move
-    ideal = world.kinetic_energy / side**2
+    ideal = world.kinetic_energy() / side**2
     return impulse / (STEPS / 60) / (4 * side), ideal * (1 + share**2 / 8) / (1 - share) ** 2
 
 

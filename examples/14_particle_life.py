@@ -12,10 +12,9 @@ kinds = np.arange(n) % 6
 colours = [*show.RAMP[1:], show.TEXT]
 world = jostle.World(
     rng.uniform((0, 0), show.SIZE, (n, 2)),
-    np.zeros((n, 2)),
-    radii=2.0,
+    2.0,
     masses=1.0,
-    container=jostle.Torus(*show.SIZE),
+    period=show.SIZE,
     on_touch="ignore",
     drag=10.0,
     forces=[

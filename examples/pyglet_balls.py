@@ -30,7 +30,12 @@ rng = np.random.default_rng(0)
 places = rng.uniform((330, 40), (630, 1_900), (COUNT, 2))
 box = jostle.Box(0, 0, WIDTH, 2_000)
 world = jostle.World(
-    places, 0 * places, rng.uniform(3, 7, COUNT), gravity=(0, -400), restitution=0.4, container=box
+    places,
+    rng.uniform(3, 7, COUNT),
+    velocities=0 * places,
+    gravity=(0, -400),
+    restitution=0.4,
+    container=box,
 )
 
 kinds = pyglet.graphics.shader

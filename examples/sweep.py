@@ -22,9 +22,9 @@ def energy_left(restitution: float, seed: int) -> float:
     world = jostle.scenes.create("gas", n=500, seed=seed)
     world.restitution = restitution
     world.threads = 1  # the other cores have runs of their own
-    before = world.kinetic_energy
+    before = world.kinetic_energy()
     world.step(1 / 60, SECONDS * 60)
-    return world.kinetic_energy / before
+    return world.kinetic_energy() / before
 
 
 if __name__ == "__main__":

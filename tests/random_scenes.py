@@ -79,14 +79,12 @@ def scene(seed: int) -> tuple[jostle.World, float]:
     fall = 10 ** rng.uniform(-3.5, -1.0)
     world = jostle.World(
         positions,
-        np.zeros_like(positions),
-        radii=radii,
+        radii,
         movable=movable,
         gravity=(0.0, -float(fall / (dt / (substeps or 4)) ** 2)),
         restitution=float(rng.choice([0.0, 0.3, 0.6, 0.9])),
         friction=float(rng.choice([0.0, 0.0, 0.3, 1.0])),
         substeps=substeps,
-        # Beads stand in the walls.
         container=jostle.Box(-1.0, -1.0, width + 1.0, height + spacing),
     )
     return world, dt

@@ -39,8 +39,8 @@ class TiltedPile:
         self.tilt = 0.0
         self.world = jostle.World(
             positions,
-            rng.normal(size=positions.shape),
             radii,
+            velocities=rng.normal(size=positions.shape),
             masses=radii**2,
             gravity=(0, -GRAVITY),
             restitution=0.0,

@@ -6,7 +6,7 @@ import numpy as np
 
 import jostle
 
-COLUMNS = ["positions", "velocities", "radii", "masses", "restitutions", "movable"]
+COLUMNS = ["positions", "velocities", "radii", "masses", "restitution", "movable"]
 COLUMNS += ["friction", "angles", "angular_velocities"]
 
 
@@ -31,7 +31,7 @@ def gas(n: int = 400, **settings: Any) -> jostle.World:
     side = np.sqrt(n * np.pi * 0.25 / 0.4)
     walls = jostle.Box(0, 0, side + 2, side + 2)
     positions, velocities = rng.uniform(1, side + 1, (n, 2)), rng.normal(size=(n, 2))
-    return jostle.World(positions, velocities, 0.5, container=walls, **settings)
+    return jostle.World(positions, 0.5, velocities=velocities, container=walls, **settings)
 
 
 NEW = {
@@ -39,7 +39,7 @@ NEW = {
     "velocities": [(5, 5), (6, 6), (0, 0)],
     "radii": [0.5, 0.25, 0.125],
     "masses": [3, 2, 1],
-    "restitutions": [0, 0.5, 1],
+    "restitution": [0, 0.5, 1],
     "movable": [True, False, False],
     "friction": [0.5, 0, 2],
     "angles": [1, -2, 3],
@@ -54,6 +54,6 @@ SETTINGS: dict[str, tuple[Any, Any]] = {
     "on_touch": ("bounce", "merge"),
     "method": ("quadtree", "brute"),
     "threads": (None, 2),
-    "leaf_capacity": (jostle.World([], [], []).leaf_capacity, 5),
+    "leaf_capacity": (jostle.World([], [], velocities=[]).leaf_capacity, 5),
     "max_depth": (4096, 3),
 }

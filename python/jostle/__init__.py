@@ -10,7 +10,7 @@
 `separate`
     Moves shapes apart until none overlap.
 `World`
-    Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
+    Particles that move and collide in a `Box`, a `Circle` or a periodic plane;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
     `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
     `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
@@ -41,7 +41,6 @@ from jostle._core import (
     Springs,
     ThermalWalls,
     Thermostat,
-    Torus,
     World,
     __version__,
     find_pairs,
@@ -102,7 +101,6 @@ __all__ = [
     "Stats",
     "ThermalWalls",
     "Thermostat",
-    "Torus",
     "WallContacts",
     "World",
     "WorldCollisions",

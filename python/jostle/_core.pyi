@@ -61,7 +61,6 @@ __all__ = [
     "Springs",
     "ThermalWalls",
     "Thermostat",
-    "Torus",
     "World",
     "__version__",
     "abandon_threads",
@@ -149,7 +148,10 @@ _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Period: TypeAlias = _Number | tuple[_Number | None, _Number | None] | Sequence[_Number] | _Array
-_Container: TypeAlias = Box | Circle | Torus
+_Container: TypeAlias = Box | Circle
+_Coefficient: TypeAlias = (
+    float | tuple[float | None, float | None, float | None, float | None] | None
+)
 _Force: TypeAlias = (
     Attractor
     | Gravitation
@@ -2454,68 +2456,60 @@ class World:
     ----------
     positions : array_like, shape (n, 2)
         Centres, in units of length.
-    velocities : array_like, shape (n, 2)
-        In units of length per second.
     radii : array_like, a number or shape (n,)
-        In units of length: 0, or between 1e-18 and 1e18. If `radii`, `masses`, `densities` or
-        `friction` is one number, it is also the default of particles that are added later.
+        In units of length: 0, or between 1e-18 and 1e18.
+    velocities : array_like, shape (2,) or (n, 2), default (0.0, 0.0)
+        In units of length per second.
     masses : array_like, a number or shape (n,), optional
-        In units of mass, above 0. If omitted, density times radius squared, without π, as in the
+        In units of mass, above 0. If omitted, the squares of the radii, without π, as in the
         article; required for a particle of radius 0.
-    densities : array_like, a number or shape (n,), default 1.0
-        Mass over radius squared; used if `masses` are omitted.
-    movable : array_like of bool, one or shape (n,), optional
-        Whether contacts and forces can change the velocity of the particle. If omitted, all are
-        movable. An immovable particle keeps the velocity and the angular velocity that it is given:
+    angles : array_like, a number or shape (n,), default 0.0
+        In radians, positive from +x to +y.
+    angular_velocities : array_like, a number or shape (n,), default 0.0
+        In radians per second. The moment of inertia of a disc is m r²/2. Particles of
+        radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
+        velocities.
+    friction : array_like, a number or shape (n,), default 0.0
+        Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
+        root of the product of both. Without friction particles do not begin to rotate.
+    restitution : array_like, a number or shape (n,), default 1.0
+        Coefficient of restitution of each particle: 0 inelastic, 1 elastic. A contact has the square
+        root of the product of both.
+    movable : array_like of bool, one or shape (n,), default True
+        Whether contacts and forces can change the velocity of the particle. An immovable particle
+        keeps the velocity and the angular velocity that it is given:
         if both are 0 it is static, else kinematic. It pushes others and is not pushed, and walls
         and the container do not stop it.
+    sensors : array_like of bool, one or shape (n,), default False
+        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
+        `events` and `contacts` report what touches it. See `World.sensors`.
+    kinds : array_like of int, a number or shape (n,), default 0
+        Kinds of the particles in each `PairForce`, from 0 to 63.
+    categories, masks : array_like of int, a number or shape (n,), default 1 and all bits
+        Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
+        ``categories[j] & masks[i]``; others pass through each other at no cost. Walls, the container
+        and forces do not depend on them.
     gravity : array_like, shape (2,), default (0.0, 0.0)
         Acceleration, in units of length per second squared.
     drag : float, default 0.0
         Linear damping, per second: dv/dt = -drag v.
-    restitution : array_like, a number or shape (n,), default 1.0
-        Coefficient of restitution: 0 inelastic, 1 elastic. A number is the world's, an
-        array has one for each particle. The coefficient of a contact is the product of
-        the world's and those of both particles; at a wall, of the world's, that of the
-        particle and that of the wall.
-    friction : array_like, a number or shape (n,), default 0.0
-        Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
-        root of the product of both; at a wall, that of the particle. Without friction particles
-        do not begin to rotate.
-    angles : array_like, a number or shape (n,), optional
-        In radians, positive from +x to +y; 0 if omitted.
-    angular_velocities : array_like, a number or shape (n,), optional
-        In radians per second; 0 if omitted. The moment of inertia of a disc is m r²/2. Particles of
-        radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
-        velocities.
-    categories, masks : array_like of int, a number or shape (n,), optional
-        Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]``; others pass through each other at no cost. If omitted,
-        categories are 1 and masks have all bits. Walls, the container and forces do not depend on
-        them.
-    sensors : array_like of bool, one or shape (n,), optional
-        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
-        `events` and `contacts` report what touches it. If omitted, none is. See `World.sensors`.
-    container : Box, Circle, Torus or None, optional
-        The region of the particles. The first step moves particles that are outside into it.
-    container_restitution : array_like, a number or shape (4,), default 1.0
-        Coefficients of restitution of the sides of the container at min x, max x, min y and max y,
-        the order of the numbers in `wall_contacts`; one number for all, and for a `Circle`. At a
-        side it is multiplied by the world's and that of the particle.
+    container : Box, Circle or None, optional
+        The region of the particles, with the coefficients of its sides. The first step moves
+        particles that are outside into it.
+    period : float or array_like, shape (2,), optional
+        Width and height of a periodic plane, in place of a container: a particle that leaves on one
+        side enters on the other. Positions are from 0 to the period.
     walls : array_like, shape (m, 2, 2), optional
         Line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
-        a wall is pushed out in several steps. On a `Torus` walls act across the periodic boundary,
+        a wall is pushed out in several steps. On a periodic plane walls act across its sides,
         and a wall may extend over each side once at most.
     wall_velocities : array_like, shape (2,) or (m, 2), optional
         Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
         particles and are not pushed. Walls that share an end should have the same velocity. Nothing
         falls asleep while a wall moves.
-    wall_restitution : array_like, a number or shape (m,), default 1.0
-        Coefficients of restitution of the walls; at a wall it is multiplied by the world's and that
-        of the particle.
-    wall_friction : array_like, a number or shape (m,), optional
-        Coefficients of friction of the walls. A contact has the square root of the product with
+    wall_restitution, wall_friction : array_like, a number or shape (m,), optional
+        Coefficients of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
@@ -2556,8 +2550,8 @@ class World:
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a shape is wrong, a value is out of range, or a particle does not fit
-        into the container; the message says which.
+        If a shape is wrong, a value is out of range, a particle does not fit into the container, or
+        there are a container and a period; the message says which.
 
     See Also
     --------
@@ -2583,7 +2577,7 @@ class World:
     Examples
     --------
     >>> import jostle
-    >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+    >>> world = jostle.World([(0, 0), (3, 0)], 1.0, velocities=[(1, 0), (0, 0)])
     >>> world.step(0.1, steps=20)  # the left disc hits the right one after a second
     >>> world.velocities
     array([[0., 0.],
@@ -2592,7 +2586,7 @@ class World:
     A disc that slides on a floor with friction begins to roll, at two thirds of its speed:
 
     >>> world = jostle.World(
-    ...     [(0, 9)], [(3, 0)], radii=1.0, gravity=(0, 9.8), restitution=0.5, friction=0.4,
+    ...     [(0, 9)], 1.0, velocities=[(3, 0)], gravity=(0, 9.8), restitution=0.5, friction=0.4,
     ...     container=jostle.Box(-99, -50, 99, 10),
     ... )
     >>> world.step(1 / 60, steps=120)
@@ -2602,37 +2596,37 @@ class World:
 
     def __new__(
         cls,
-        positions: _Vectors,
-        velocities: _Vectors,
-        radii: ArrayLike,
+        positions: _Vectors | None = None,
+        radii: ArrayLike | None = None,
         *,
+        velocities: ArrayLike = (0.0, 0.0),
         masses: ArrayLike | None = None,
-        densities: ArrayLike = 1.0,
-        movable: ArrayLike | None = None,
+        angles: ArrayLike = 0.0,
+        angular_velocities: ArrayLike = 0.0,
+        friction: ArrayLike = 0.0,
+        restitution: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+        sensors: ArrayLike = False,
+        kinds: ArrayLike = 0,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 4294967295,
         gravity: _Vectors = (0.0, 0.0),
         drag: _Number = 0.0,
-        restitution: ArrayLike = 1.0,
-        friction: ArrayLike = 0.0,
-        angles: ArrayLike | None = None,
-        angular_velocities: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
         container: _Container | None = None,
-        container_restitution: ArrayLike = 1.0,
+        period: ArrayLike | None = None,
         walls: ArrayLike | None = None,
         wall_velocities: ArrayLike | None = None,
-        wall_restitution: ArrayLike = 1.0,
+        wall_restitution: ArrayLike | None = None,
         wall_friction: ArrayLike | None = None,
         forces: Iterable[_Force] = (),
         on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
+        sleeping: bool = True,
+        substeps: SupportsIndex | None = None,
+        track_events: bool = False,
         method: Literal["quadtree", "brute"] = "quadtree",
         threads: SupportsIndex | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
-        substeps: SupportsIndex | None = None,
-        sleeping: bool = True,
-        track_events: bool = False,
     ) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
         """Advance the simulation.
@@ -2666,7 +2660,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0)], [(8, 0)], radii=1.0)
+        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(8, 0)])
         >>> world.step(0.25, steps=2)
         >>> world.positions
         array([[4., 0.]], dtype=float32)
@@ -2675,53 +2669,32 @@ class World:
     def add(
         self,
         positions: _Point,
-        velocities: _Vectors,
-        radii: ArrayLike | None = None,
+        radii: ArrayLike,
         *,
+        velocities: ArrayLike = (0.0, 0.0),
         masses: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        restitutions: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        angles: ArrayLike | None = None,
-        angular_velocities: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
-        kinds: ArrayLike | None = None,
+        angles: ArrayLike = 0.0,
+        angular_velocities: ArrayLike = 0.0,
+        friction: ArrayLike = 0.0,
+        restitution: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+        sensors: ArrayLike = False,
+        kinds: ArrayLike = 0,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 4294967295,
     ) -> int:
         """Add one particle or many, after the others.
 
-        The default of an omitted argument is the number that was last given for all particles: to
-        `World`, as in ``World(..., friction=0.5)``, or by assignment, as in ``world.friction =
-        0.5``. An array with a number for each particle does not change the default.
-
         Parameters
         ----------
-        positions, velocities : array_like, shape (k, 2), or (2,) for one particle
-            Centres in units of length, and velocities in units of length per second.
-        radii : array_like, a number or shape (k,), optional
-            Required if no number was given for all particles.
-        masses : array_like, a number or shape (k,), optional
-            If omitted and no number was given for all particles, or if `densities` are given,
-            density times radius squared, without π.
-        densities : array_like, a number or shape (k,), optional
-            1.0 if no number was given to `World`.
-        restitutions : array_like, a number or shape (k,), optional
-            1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
-            of all contacts anyway.
-        movable : array_like of bool, one or shape (k,), default True
-            Whether contacts and forces can change the velocity.
-        friction : array_like, a number or shape (k,), optional
-            0.0 if no number was given for all particles.
-        angles, angular_velocities : array_like, a number or shape (k,), default 0.0
-            In radians and in radians per second, positive from +x to +y.
-        categories, masks : array_like of int, a number or shape (k,), optional
-            1 and all bits if no number was given for all particles.
-        sensors : array_like of bool, one or shape (k,), default False
-            Whether the particle is a sensor.
-        kinds : array_like of int, a number or shape (k,), default 0
-            Their kinds in each `PairForce`, from 0 to 63.
+        positions : array_like, shape (k, 2), or (2,) for one particle
+            Centres, in units of length.
+        radii : array_like, a number or shape (k,)
+            In units of length.
+        velocities, masses, angles, angular_velocities, friction, restitution, movable, sensors, kinds, \\
+        categories, masks
+            As for `World`. What is omitted has the default that is written there, whatever the other
+            particles have.
 
         Returns
         -------
@@ -2742,70 +2715,67 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
-        >>> world.add([(5, 0), (9, 0)], [(0, 0), (0, 0)], radii=0.5)
+        >>> world = jostle.World([(0, 0)], 1.0)
+        >>> world.add([(5, 0), (9, 0)], 0.5)
         array([1, 2])
-        >>> world.add((0, 5), velocities=(1, 0))
+        >>> world.add((0, 5), 2.0, velocities=(1, 0))
         3
         >>> world.radii
-        array([1. , 0.5, 0.5, 1. ], dtype=float32)
+        array([1. , 0.5, 0.5, 2. ], dtype=float32)
         """
     @overload
     def add(
         self,
         positions: _Points,
-        velocities: _Vectors,
-        radii: ArrayLike | None = None,
+        radii: ArrayLike,
         *,
+        velocities: ArrayLike = (0.0, 0.0),
         masses: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        restitutions: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        angles: ArrayLike | None = None,
-        angular_velocities: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
-        kinds: ArrayLike | None = None,
+        angles: ArrayLike = 0.0,
+        angular_velocities: ArrayLike = 0.0,
+        friction: ArrayLike = 0.0,
+        restitution: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+        sensors: ArrayLike = False,
+        kinds: ArrayLike = 0,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 4294967295,
     ) -> _Ids: ...
     @overload
     def add(
         self,
         positions: Sequence[_Real],
-        velocities: _Vectors,
-        radii: ArrayLike | None = None,
+        radii: ArrayLike,
         *,
+        velocities: ArrayLike = (0.0, 0.0),
         masses: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        restitutions: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        angles: ArrayLike | None = None,
-        angular_velocities: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
-        kinds: ArrayLike | None = None,
+        angles: ArrayLike = 0.0,
+        angular_velocities: ArrayLike = 0.0,
+        friction: ArrayLike = 0.0,
+        restitution: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+        sensors: ArrayLike = False,
+        kinds: ArrayLike = 0,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 4294967295,
     ) -> int: ...
     @overload
     def add(
         self,
         positions: _Undecided,
-        velocities: _Vectors,
-        radii: ArrayLike | None = None,
+        radii: ArrayLike,
         *,
+        velocities: ArrayLike = (0.0, 0.0),
         masses: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        restitutions: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        angles: ArrayLike | None = None,
-        angular_velocities: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
-        kinds: ArrayLike | None = None,
+        angles: ArrayLike = 0.0,
+        angular_velocities: ArrayLike = 0.0,
+        friction: ArrayLike = 0.0,
+        restitution: ArrayLike = 1.0,
+        movable: ArrayLike = True,
+        sensors: ArrayLike = False,
+        kinds: ArrayLike = 0,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 4294967295,
     ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
@@ -2831,7 +2801,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
         >>> world.remove(1)
         >>> world.positions
         array([[0., 0.],
@@ -2847,7 +2817,7 @@ class World:
         velocities: _Vectors | None = None,
         radii: ArrayLike | None = None,
         masses: ArrayLike | None = None,
-        restitutions: ArrayLike | None = None,
+        restitution: ArrayLike | None = None,
         movable: ArrayLike | None = None,
         friction: ArrayLike | None = None,
         angles: ArrayLike | None = None,
@@ -2867,7 +2837,7 @@ class World:
             The particles, each at most once.
         positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
             Centres in units of length, and velocities in units of length per second.
-        radii, masses, restitutions : array_like, a number or shape (k,), optional
+        radii, masses, restitution : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
             Whether contacts and forces can change the velocity.
@@ -2894,9 +2864,9 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0)
+        >>> world = jostle.World([(0, 0), (5, 0)], 1.0)
         >>> world.set([1], velocities=[(2, 0)], masses=3.0)
-        >>> world.momentum
+        >>> world.momentum()
         (6.0, 0.0)
         >>> world.set(0, positions=(2, 1))
         """
@@ -2926,7 +2896,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
+        >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
         >>> world.force(1, (0, 6))
         >>> world.step(0.5, steps=2)
         >>> world.velocities.tolist()
@@ -2947,9 +2917,9 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
         >>> world.remove(0)
-        >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
+        >>> world.add([(2, 2)], 1.0)
         array([3])
         >>> world.ids
         array([1, 2, 3])
@@ -2982,7 +2952,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
         >>> world.remove(0)
         >>> world.positions[world.rows(2)]
         array([9., 0.], dtype=float32)
@@ -3024,7 +2994,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (2, 1)], radii=[1.0, 0.5])
+        >>> world = jostle.World([(0, 0), (5, 0)], [1.0, 0.5], velocities=[(0, 0), (2, 1)])
         >>> world.read(1).velocities, world.read(1).masses
         (array([2., 1.], dtype=float32), 0.25)
         >>> world.read([1, 0]).radii
@@ -3047,7 +3017,9 @@ class World:
         Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
         ``world.positions += 1``, raises ValueError. Assign a whole column instead,
         ``world.positions = world.positions + 1``, or change some particles with
-        ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
+        ``world.set([0], positions=[(1, 2)])``. The same holds for every column. Assigning what was
+        read changes nothing and wakes nothing: a position that is the present one in float32 keeps
+        what rounding removed.
         """
     @positions.setter
     def positions(self, value: _Vectors) -> None: ...
@@ -3085,7 +3057,7 @@ class World:
         A force towards the x axis:
 
         >>> import jostle
-        >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
+        >>> world = jostle.World([(0, 1)], 0.1)
         >>> for _ in range(157):  # half a period: π / 0.02 steps
         ...     world.accelerations = -world.positions * (0, 1)
         ...     world.step(0.02)
@@ -3112,13 +3084,13 @@ class World:
     @masses.setter
     def masses(self, value: ArrayLike) -> None: ...
     @property
-    def restitutions(self) -> NDArray[np.float32]:
-        """Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
+    def restitution(self) -> NDArray[np.float32]:
+        """Coefficients of restitution, 0 to 1: ndarray of float32, shape (n,), a read-only copy.
 
-        To change all, assign an array or one number; to change some, use `set`.
+        A contact has the square root of the product of both. To change all, assign an array or one number; to change some, use `set`.
         """
-    @restitutions.setter
-    def restitutions(self, value: ArrayLike) -> None: ...
+    @restitution.setter
+    def restitution(self, value: ArrayLike) -> None: ...
     @property
     def movable(self) -> NDArray[np.bool_]:
         """Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
@@ -3144,7 +3116,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=1.0)
+        >>> world = jostle.World([(0, 0), (3, 0)], 1.0)
         >>> world.friction = 0.5
         >>> world.set(1, friction=0.8)
         >>> world.friction
@@ -3167,7 +3139,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0, angular_velocities=0.5)
+        >>> world = jostle.World([(0, 0)], 1.0, angular_velocities=0.5)
         >>> world.step(0.25, steps=8)
         >>> world.angles
         array([1.], dtype=float32)
@@ -3210,7 +3182,7 @@ class World:
 
         >>> import jostle
         >>> GHOST = 2
-        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0), (0, 0), (0, 0)])
         >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
         >>> world.step(0.1, steps=90)
         >>> world.velocities[:, 0]
@@ -3229,6 +3201,15 @@ class World:
         """
     @masks.setter
     def masks(self, value: ArrayLike) -> None: ...
+    @property
+    def kinds(self) -> NDArray[np.uint8]:
+        """Kinds: ndarray of uint8, shape (n,), a read-only copy of the rows of the particles in the
+        tables of each `PairForce`.
+
+        To change all, assign an array or one number; to change some, use `set`.
+        """
+    @kinds.setter
+    def kinds(self, value: ArrayLike) -> None: ...
     @property
     def sensors(self) -> NDArray[np.bool_]:
         """Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
@@ -3252,8 +3233,8 @@ class World:
         A fast disc passes through a sensor within one step:
 
         >>> import jostle
-        >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
-        >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
+        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(900, 0)], track_events=True)
+        >>> goal = world.add((5, 0), 2.0, movable=False, sensors=True)
         >>> world.step(1 / 60)
         >>> world.events.entered, world.events.exited
         (array([[0, 1]]), array([[0, 1]]))
@@ -3263,8 +3244,10 @@ class World:
     @sensors.setter
     def sensors(self, value: ArrayLike) -> None: ...
     @property
-    def gravity(self) -> tuple[float, float]:
-        """Acceleration of all movable particles, (x, y), units of length per second squared."""
+    def gravity(self) -> NDArray[np.float64]:
+        """Acceleration of all movable particles: ndarray of float64, shape (2,), a read-only copy in units
+        of length per second squared.
+        """
     @gravity.setter
     def gravity(self, value: _Vectors) -> None: ...
     @property
@@ -3273,56 +3256,57 @@ class World:
     @drag.setter
     def drag(self, value: _Number) -> None: ...
     @property
-    def restitution(self) -> float:
-        """The world's coefficient of restitution, 0 to 1; `restitutions` has those of the particles."""
-    @restitution.setter
-    def restitution(self, value: _Number) -> None: ...
-    @property
     def container(self) -> _Container | None:
-        """The region of the particles: a Box, Circle, Torus or None.
+        """The region of the particles: a Box, Circle or None.
 
         See Also
         --------
         walls : Line segments.
-        container_restitution : The coefficients of its sides.
-        """
-    @container.setter
-    def container(self, value: _Container | None) -> None: ...
-    @property
-    def container_restitution(self) -> NDArray[np.float32]:
-        """Coefficients of restitution of the sides of the container: ndarray of float32, shape (4,), a
-        read-only copy in the order min x, max x, min y, max y.
-
-        Assign an array or one number, 0 to 1. A `Circle` has one wall; its four are equal.
-
-        Raises
-        ------
-        ValueError
-            If one is not between 0 and 1, if the shape is wrong, or if those of a `Circle` differ.
+        period : A periodic plane instead.
 
         Examples
         --------
-        An inelastic floor between elastic walls:
+        An inelastic floor between walls with the coefficient of the disc:
 
         >>> import jostle
-        >>> world = jostle.World(
-        ...     [(5, 5)], [(3, -9)], radii=1.0, container=jostle.Box(0, 0, 10, 10),
-        ...     container_restitution=[1, 1, 0, 1],
-        ... )
+        >>> box = jostle.Box(0, 0, 10, 10, restitution=[None, None, 0, None])
+        >>> world = jostle.World([(5, 5)], 1.0, velocities=[(3, -9)], container=box)
         >>> world.step(0.1, steps=15)
         >>> world.velocities
         array([[-3.,  0.]], dtype=float32)
         """
-    @container_restitution.setter
-    def container_restitution(self, value: ArrayLike) -> None: ...
+    @container.setter
+    def container(self, value: _Container | None) -> None: ...
+    @property
+    def period(self) -> NDArray[np.float64] | None:
+        """Width and height of the periodic plane: ndarray of float64, shape (2,), or None.
+
+        A particle that leaves on one side enters on the other; positions are from 0 to the period. A
+        world has a container or a period.
+
+        Raises
+        ------
+        ValueError
+            If there is a container, or a side is not finite and above 0.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(9, 5)], 1.0, velocities=[(3, 0)], period=(10, 10))
+        >>> world.step(1.0)
+        >>> world.positions
+        array([[2., 5.]], dtype=float32)
+        """
+    @period.setter
+    def period(self, value: ArrayLike | None) -> None: ...
     @property
     def walls(self) -> NDArray[np.float32]:
         """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of line segments in
         units of length.
 
         Assign an array of this shape, or None for no walls. Wall k keeps the velocity and the
-        coefficients of the previous wall k; additional ones are at rest and have a restitution of 1
-        and the friction of the particles. All particles wake. Walls that are moved in this way
+        coefficients of the previous wall k; additional ones are at rest and have the coefficients of
+        the particles. All particles wake. Walls that are moved in this way
         transfer no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in
         several steps, to the side on which their centre is.
 
@@ -3330,7 +3314,7 @@ class World:
         ------
         ValueError
             If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
-            equal, or a wall is longer than a side of a `Torus`.
+            equal, or a wall is longer than a side of the period.
 
         See Also
         --------
@@ -3341,7 +3325,8 @@ class World:
         --------
         >>> import jostle
         >>> world = jostle.World(
-        ...     [(0, 2)], [(0, -4)], radii=1.0, walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)])
+        ...     [(0, 2)], 1.0, velocities=[(0, -4)],
+        ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
         ... )
         >>> world.step(0.5)
         >>> world.positions, world.wall_contacts.walls  # 4 + the index of the wall
@@ -3370,9 +3355,7 @@ class World:
         --------
         >>> import jostle
         >>> piston = [((0, -2), (0, 2))]
-        >>> world = jostle.World(
-        ...     [(4, 0)], [(0, 0)], radii=1.0, walls=piston, wall_velocities=(2, 0)
-        ... )
+        >>> world = jostle.World([(4, 0)], 1.0, walls=piston, wall_velocities=(2, 0))
         >>> world.step(0.5, steps=4)  # they touch after 1.5 seconds
         >>> world.velocities, world.walls[:, 0]
         (array([[4., 0.]], dtype=float32), array([[ 4., -2.]], dtype=float32))
@@ -3383,7 +3366,8 @@ class World:
     def wall_restitution(self) -> NDArray[np.float32]:
         """Coefficients of restitution of the walls: ndarray of float32, shape (m,), a read-only copy.
 
-        Assign an array or one number, 0 to 1.
+        NaN stands for the coefficient of the particle. Assign an array or one number, 0 to 1, or None for
+        NaN.
         """
     @wall_restitution.setter
     def wall_restitution(self, value: ArrayLike) -> None: ...
@@ -3431,9 +3415,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World(
-        ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
-        ... )
+        >>> world = jostle.World([(0, 0), (5, 0), (1, 0), (9, 0)], 1.0, on_touch="merge")
         >>> world.step(0.1)
         >>> world.ids
         array([0, 1, 3])
@@ -3464,10 +3446,8 @@ class World:
     @max_depth.setter
     def max_depth(self, value: SupportsIndex) -> None: ...
     @property
-    def substeps(self) -> int:
-        """Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
-        for the latter. With None, a step in which heavy particles press on light ones has more; see
-        `stats.substeps`.
+    def substeps(self) -> int | None:
+        """Sub-steps of a step, or None for as many as the scene needs.
 
         See Also
         --------
@@ -3509,8 +3489,8 @@ class World:
         --------
         >>> import jostle
         >>> world = jostle.World(
-        ...     [(0, 1), (5, 1)], [(0, 0), (2, 0)], radii=1.0, gravity=(0, -9.8), restitution=0.5,
-        ...     container=jostle.Box(-9, 0, 99, 9),
+        ...     [(0, 1), (5, 1)], 1.0, velocities=[(0, 0), (2, 0)], gravity=(0, -9.8),
+        ...     restitution=0.5, container=jostle.Box(-9, 0, 99, 9),
         ... )
         >>> world.step(1 / 60, steps=60)
         >>> world.asleep
@@ -3541,7 +3521,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0)] * 3, radii=1.0)
+        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0)] * 3)
         >>> world.step(1.0)
         >>> tree = world.quadtree()
         >>> tree.nearest((6.0, 0.0)).ids
@@ -3582,9 +3562,7 @@ class World:
         --------
         >>> import jostle
         >>> box = jostle.Box(-9, 0, 9, 9)
-        >>> world = jostle.World(
-        ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
-        ... )
+        >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
         >>> world.step(0.01)
         >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
         (array([2]), array([10.], dtype=float32))
@@ -3620,7 +3598,8 @@ class World:
         --------
         >>> import jostle
         >>> world = jostle.World(
-        ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
+        ...     [(0, 0), (3, 0), (8, 0)], 1.0, velocities=[(1, 0), (0, 0), (0, 0)],
+        ...     track_events=True,
         ... )
         >>> world.step(2.0)  # 0 hits 1, which flies on
         >>> world.events.entered, world.events.exited
@@ -3652,25 +3631,85 @@ class World:
         --------
         >>> import jostle
         >>> box = jostle.Box(-4, -1, 4, 1)
-        >>> world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+        >>> world = jostle.World([(-3, 0), (0, 0)], 1.0, velocities=[(1, 0), (0, 0)], container=box)
         >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
         >>> world.collisions
         WorldCollisions(pairs=3, walls=2)
         """
-    @property
-    def momentum(self) -> tuple[float, float]:
-        """Sum of mass times velocity, (x, y)."""
-    @property
+    def angular_momentum(self, about: _Vectors = (0.0, 0.0)) -> float:
+        """Return the sum of m (r - a) × v + I ω of the movable particles, with the moment of inertia
+        I = m r²/2.
+
+        Parameters
+        ----------
+        about : array_like, shape (2,), default (0.0, 0.0)
+            The point a.
+
+        Returns
+        -------
+        float
+            Positive for a rotation from +x to +y.
+
+        See Also
+        --------
+        momentum : Of the motion along the axes.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(3, 0)], 1.0, velocities=[(0, 2)], angular_velocities=4.0)
+        >>> world.angular_momentum(), world.angular_momentum(about=(3, 0))
+        (8.0, 2.0)
+        """
+    def temperature(self) -> float:
+        """Return the temperature of the movable particles with k = 1: the sum of m (v - u)² over 2 (n - 1),
+        where u is their mean velocity, weighted by mass.
+
+        Rotation is left out. In two dimensions a gas that is at rest as a whole has n - 1 times this
+        energy of translation.
+
+        Returns
+        -------
+        float
+            In units of mass times length squared per second squared; NaN for fewer than two
+            particles.
+
+        See Also
+        --------
+        kinetic_energy : With rotation and the motion as a whole.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (9, 0)], 1.0, velocities=[(5, 0), (7, 0)])
+        >>> world.temperature()
+        1.0
+        """
+    def total_energy(self) -> float:
+        """Return the sum of `kinetic_energy` and `potential_energy`."""
+    def momentum(self) -> NDArray[np.float64]:
+        """Return the sum of mass times velocity of the movable particles.
+
+        Returns
+        -------
+        ndarray of float64, shape (2,)
+            In units of mass times length per second.
+
+        See Also
+        --------
+        angular_momentum : Of the motion around a point.
+        """
     def kinetic_energy(self) -> float:
-        """Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
+        """Return the sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia
+        I = m r²/2.
 
         See Also
         --------
         potential_energy : The energy of gravity and forces.
+        total_energy : Both.
         """
-    @property
     def potential_energy(self) -> float:
-        """Energy of all movable particles in the fields of gravity (0 at the origin) and of
+        """Return the energy of all movable particles in the fields of gravity (0 at the origin) and of
         attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
         springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
         Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
@@ -3679,6 +3718,7 @@ class World:
         See Also
         --------
         kinetic_energy : The energy of motion.
+        total_energy : Both.
         """
     @property
     def time(self) -> float:
@@ -3719,7 +3759,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> worlds = [jostle.World([(0, 0)], [(1, 0)], radii=1.0) for _ in range(2)]
+        >>> worlds = [jostle.World([(0, 0)], 1.0, velocities=[(1, 0)]) for _ in range(2)]
         >>> worlds[0].state_hash() == worlds[1].state_hash()
         True
         """
@@ -3740,7 +3780,7 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
         >>> before = world.snapshot()
         >>> world.step(0.5, steps=4)
         >>> world.time, jostle.World.restore(before).time
@@ -3799,7 +3839,7 @@ class World:
         Examples
         --------
         >>> import jostle, json
-        >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
         >>> world.attachment = json.dumps({"zoom": 2.5})
         >>> json.loads(jostle.World.restore(world.snapshot()).attachment)
         {'zoom': 2.5}
@@ -3881,6 +3921,10 @@ class Box:
     ----------
     min_x, min_y, max_x, max_y : float
         Its sides, in units of length; min below max. Stored as float32.
+    restitution, friction : array_like, a number or shape (4,), optional
+        Coefficients of the sides at min x, max x, min y and max y. A contact
+        has the square root of the product with that of the particle; None, for all or for one side,
+        is that of the particle.
 
     Raises
     ------
@@ -3891,7 +3935,7 @@ class Box:
 
     See Also
     --------
-    Circle, Torus : Other containers.
+    Circle : Another container.
     World.walls : Line segments anywhere.
 
     Examples
@@ -3904,7 +3948,16 @@ class Box:
     """
 
     __match_args__: Final = ("min_x", "min_y", "max_x", "max_y")
-    def __new__(cls, min_x: _Number, min_y: _Number, max_x: _Number, max_y: _Number) -> Self: ...
+    def __new__(
+        cls,
+        min_x: _Number,
+        min_y: _Number,
+        max_x: _Number,
+        max_y: _Number,
+        *,
+        restitution: ArrayLike | Sequence[float | None] | None = None,
+        friction: ArrayLike | Sequence[float | None] | None = None,
+    ) -> Self: ...
     @property
     def min_x(self) -> float:
         """Left side."""
@@ -3917,9 +3970,69 @@ class Box:
     @property
     def max_y(self) -> float:
         """Bottom side where y grows downwards."""
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Left, top, right and bottom where y grows downwards: ndarray of float64, shape (4,), in the order
+        min x, min y, max x, max y, as the rows of `Space.bounds`.
+        """
+    @property
+    def area(self) -> float:
+        """Its area."""
+    @property
+    def restitution(self) -> _Coefficient:
+        """Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
+        particle.
+        """
+    @property
+    def friction(self) -> _Coefficient:
+        """Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
+        particle.
+        """
+    @overload
+    def contains(self, points: _Point) -> bool:
+        """Whether points lie inside or on the sides.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 2), or (2,) for one point
+            In units of length.
+
+        Returns
+        -------
+        ndarray of bool, shape (k,), or bool
+            For each point, or for the only one.
+
+        See Also
+        --------
+        clip : Moves points inside.
+        """
+    @overload
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
+    def clip(self, points: ArrayLike, margin: _Number = 0.0) -> NDArray[np.float64]:
+        """Return the nearest places inside.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 2), or (2,) for one point
+            In units of length.
+        margin : float, default 0.0
+            The distance from the sides that is kept, as the radius of discs. If there is not so much
+            room, the place is in the middle.
+
+        Returns
+        -------
+        ndarray of float64, shape (k, 2), or (2,) for one point
+            The points that are inside already are as they were.
+
+        See Also
+        --------
+        contains : Whether points are inside.
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[float, float, float, float]: ...
+    def __getnewargs_ex__(
+        self,
+    ) -> tuple[tuple[float, float, float, float], dict[str, _Coefficient]]: ...
 
 @final
 class Circle:
@@ -3933,6 +4046,9 @@ class Circle:
         Its centre, in units of length. Stored as float32.
     radius : float
         Its radius, above 0. Stored as float32.
+    restitution, friction : float, optional
+        Coefficients of its side. A contact has the square root of the product with that of the
+        particle; None is that of the particle.
 
     Raises
     ------
@@ -3943,66 +4059,91 @@ class Circle:
 
     See Also
     --------
-    Box, Torus : Other containers.
+    Box : Another container.
 
     Examples
     --------
     >>> import jostle
-    >>> jostle.Circle((400, 250), radius=240).center
-    (400.0, 250.0)
+    >>> jostle.Circle((400, 250), radius=240, restitution=0.5)
+    Circle((400.0, 250.0), 240.0, restitution=0.5)
     """
 
     __match_args__: Final = ("center", "radius")
-    def __new__(cls, center: ArrayLike | _Vector, radius: _Number) -> Self: ...
+    def __new__(
+        cls,
+        center: _Vectors,
+        radius: _Number,
+        *,
+        restitution: _Number | None = None,
+        friction: _Number | None = None,
+    ) -> Self: ...
     @property
-    def center(self) -> tuple[float, float]:
-        """Its centre, (x, y)."""
+    def center(self) -> NDArray[np.float64]:
+        """Its centre: ndarray of float64, shape (2,)."""
     @property
     def radius(self) -> float:
         """Its radius."""
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """The rectangle around it: ndarray of float64, shape (4,), in the order min x, min y, max x, max y."""
+    @property
+    def area(self) -> float:
+        """Its area."""
+    @property
+    def restitution(self) -> _Coefficient:
+        """Coefficient of restitution of its side: a number, or None for that of the
+        particle.
+        """
+    @property
+    def friction(self) -> _Coefficient:
+        """Coefficient of friction of its side: a number, or None for that of the
+        particle.
+        """
+    @overload
+    def contains(self, points: _Point) -> bool:
+        """Whether points lie inside or on the sides.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 2), or (2,) for one point
+            In units of length.
+
+        Returns
+        -------
+        ndarray of bool, shape (k,), or bool
+            For each point, or for the only one.
+
+        See Also
+        --------
+        clip : Moves points inside.
+        """
+    @overload
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
+    def clip(self, points: ArrayLike, margin: _Number = 0.0) -> NDArray[np.float64]:
+        """Return the nearest places inside.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 2), or (2,) for one point
+            In units of length.
+        margin : float, default 0.0
+            The distance from the sides that is kept, as the radius of discs. If there is not so much
+            room, the place is in the middle.
+
+        Returns
+        -------
+        ndarray of float64, shape (k, 2), or (2,) for one point
+            The points that are inside already are as they were.
+
+        See Also
+        --------
+        contains : Whether points are inside.
+        """
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[tuple[float, float], float]: ...
-
-@final
-class Torus:
-    """A periodic rectangle from (0, 0): a particle that leaves on the right enters on the
-    left.
-
-    Parameters
-    ----------
-    width, height : float
-        Its sides, in units of length, above 0. Stored as float32.
-
-    Raises
-    ------
-    TypeError
-        If an argument is not a number.
-    ValueError
-        If a side is not finite and above 0.
-
-    See Also
-    --------
-    Box, Circle : Containers with walls.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> jostle.Torus(800, 500)
-    Torus(800.0, 500.0)
-    """
-
-    __match_args__: Final = ("width", "height")
-    def __new__(cls, width: _Number, height: _Number) -> Self: ...
-    @property
-    def width(self) -> float:
-        """From left to right."""
-    @property
-    def height(self) -> float:
-        """From top to bottom."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[float, float]: ...
+    def __getnewargs_ex__(
+        self,
+    ) -> tuple[tuple[tuple[float, float], float], dict[str, _Coefficient]]: ...
 
 @final
 class Attractor:
@@ -4041,7 +4182,7 @@ class Attractor:
     --------
     >>> import jostle
     >>> pull = jostle.Attractor((0, 0), 4.0)
-    >>> world = jostle.World([(3, 0)], [(0, 0)], radii=1.0, forces=[pull])
+    >>> world = jostle.World([(3, 0)], 1.0, forces=[pull])
     >>> world.step(0.0078539816, steps=200)  # half a period, π/2 seconds
     >>> world.positions.round(3)
     array([[-3.,  0.]], dtype=float32)
@@ -4113,9 +4254,11 @@ class Gravitation:
     --------
     >>> import jostle
     >>> pull = jostle.Gravitation(1.0)
-    >>> world = jostle.World([(-2, 0), (2, 0)], [(0, -.25), (0, .25)], .1, masses=1.0, forces=[pull])
+    >>> world = jostle.World(
+    ...     [(-2, 0), (2, 0)], .1, velocities=[(0, -.25), (0, .25)], masses=1.0, forces=[pull]
+    ... )
     >>> world.step(0.1, steps=100)
-    >>> [abs(round(p, 5)) for p in world.momentum]
+    >>> [abs(round(p, 5)) for p in world.momentum()]
     [0.0, 0.0]
     """
 
@@ -4175,7 +4318,7 @@ class Springs:
     --------
     >>> import jostle
     >>> tie = jostle.Springs([(0, 1)], lengths=2.0, stiffness=40.0, damping=4.0)
-    >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=0.5, masses=1.0, forces=[tie])
+    >>> world = jostle.World([(0, 0), (3, 0)], 0.5, masses=1.0, forces=[tie])
     >>> world.step(0.01, steps=500)
     >>> world.positions.round(3)
     array([[0.5, 0. ],
@@ -4267,7 +4410,7 @@ class PairForce:
     >>> import jostle
     >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
     >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
-    >>> world = jostle.World([(0, 0), (2, 0)], [(0, 0)] * 2, 0.1, masses=1.0, forces=[force])
+    >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, forces=[force])
     >>> world.step(0.1, steps=10)
     >>> world.velocities.round(3)
     array([[1., 0.],
@@ -4382,8 +4525,8 @@ class PairForce:
         >>> import jostle
         >>> force = jostle.PairForce.lennard_jones([0, 0], epsilon=1.0, sigma=1.0, cutoff=2.5)
         >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
-        >>> world = jostle.World(apart, [(0, 0)] * 2, 0.1, on_touch="ignore", forces=[force])
-        >>> round(world.potential_energy, 3)
+        >>> world = jostle.World(apart, 0.1, on_touch="ignore", forces=[force])
+        >>> round(world.potential_energy(), 3)
         -0.984
         """
     @staticmethod
@@ -4421,8 +4564,8 @@ class PairForce:
         --------
         >>> import jostle
         >>> force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0)
-        >>> world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, 1, on_touch="ignore", forces=[force])
-        >>> world.potential_energy
+        >>> world = jostle.World([(0, 0), (1, 0)], 1, on_touch="ignore", forces=[force])
+        >>> world.potential_energy()
         50.0
         """
     @property
@@ -4495,7 +4638,7 @@ class Flocking:
     --------
     >>> import jostle
     >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
-    >>> world = jostle.World([(0, 0), (0, 2)], [(1, 0), (3, 0)], 0.1, forces=[birds])
+    >>> world = jostle.World([(0, 0), (0, 2)], 0.1, velocities=[(1, 0), (3, 0)], forces=[birds])
     >>> world.step(0.1, steps=100)
     >>> world.velocities.round(3)
     array([[2., 0.],
@@ -4589,7 +4732,7 @@ class Motor:
     A paddle of four discs that rotates twice per second:
 
     >>> import jostle, math
-    >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
+    >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], 0.5, movable=False)
     >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
     >>> world.step(1 / 80, steps=10)
     >>> world.positions[3].round(4).tolist()
@@ -4597,7 +4740,7 @@ class Motor:
 
     A piston that moves to the right for two seconds, then back:
 
-    >>> world = jostle.World([(5, 5)], [(0, 0)], 1.0, walls=[((1, 0), (1, 10))])
+    >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
     >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
     >>> world.step(1 / 60, steps=120)
     >>> world.walls[0].round(4).tolist()
@@ -4622,7 +4765,7 @@ class Motor:
     def walls(self) -> NDArray[np.int64]:
         """Indices of the walls that it drives: read-only ndarray of int64, shape (m,)."""
     @property
-    def center(self) -> tuple[float, float]:
+    def center(self) -> NDArray[np.float64]:
         """The centre of the rotation at time 0, (x, y)."""
     @property
     def angular_velocity(self) -> float:
@@ -4669,7 +4812,7 @@ class Thermostat:
     >>> import jostle
     >>> warm = jostle.Thermostat(speed=3.0, rate=0.5)
     >>> box = jostle.Box(0, 0, 10, 10)
-    >>> world = jostle.World([(5, 5)], [(1, 0)], radii=1.0, container=box, forces=[warm])
+    >>> world = jostle.World([(5, 5)], 1.0, velocities=[(1, 0)], container=box, forces=[warm])
     >>> world.step(0.1, steps=60)  # it bounces off the right wall after four seconds
     >>> world.velocities
     array([[-2.,  0.]], dtype=float32)
@@ -4826,7 +4969,7 @@ class AndersenThermostat:
     >>> world = jostle.scenes.create("gas", n=1000)
     >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
     >>> world.step(1 / 60, steps=300)
-    >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
+    >>> abs(world.kinetic_energy() / 1000 - 2.0) < 0.3
     True
     """
 
@@ -5097,5 +5240,5 @@ def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float3
     >>> centers = jostle.scenes.wall((0, 0), (30, 40), radius=5)
     >>> centers.shape
     (26, 2)
-    >>> world = jostle.World(centers, 0 * centers, 5, movable=False)
+    >>> world = jostle.World(centers, 5, velocities=0 * centers, movable=False)
     """

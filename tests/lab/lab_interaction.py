@@ -23,7 +23,7 @@ def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> 
     """Discs at rest in a box of 800 by 500, without gravity."""
     speeds = np.zeros((len(places), 2))
     rules.setdefault("container", jostle.Box(*VIEW))
-    world = jostle.World(np.array(places).reshape(-1, 2), speeds, radii, **rules)
+    world = jostle.World(np.array(places).reshape(-1, 2), radii, velocities=speeds, **rules)
     return Simulation(Settings("test"), VIEW, world)
 
 

@@ -22,7 +22,7 @@ def run(world: jostle.World, emitters: Emitters, steps: int) -> None:
 
 
 def empty() -> jostle.World:
-    return jostle.World(np.empty((0, 2)), np.empty((0, 2)), 1.0, gravity=(0, 900))
+    return jostle.World(np.empty((0, 2)), 1.0, velocities=np.empty((0, 2)), gravity=(0, 900))
 
 
 def test_as_many_come_as_are_due() -> None:

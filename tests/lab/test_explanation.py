@@ -24,7 +24,7 @@ TREE = FrameRequest(tree=True)
 def frame_of(places, radii, container=None, movable=None, **settings) -> tuple[Frame, Settings]:
     rules = Settings("some discs", **settings)
     zeros = np.zeros((len(places), 2))
-    world = jostle.World(places, zeros, radii, container=container, movable=movable)
+    world = jostle.World(places, radii, container=container, movable=movable)
     simulation = Simulation(rules, VIEW, world)
     return simulation.frame(TREE), rules
 

@@ -56,7 +56,7 @@ def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     for name in (*columns, "kinds", "matrix"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
     assert one.attractors == other.attractors
-    assert simulation.add([(9, 9)], [(0, 0)], 1.0) == again.add([(9, 9)], [(0, 0)], 1.0)
+    assert simulation.add([(9, 9)], [(0, 0)], 1.0) == again.add([(9, 9)], 1.0)
 
 
 def test_going_back_to_a_state_undoes_rules_and_particles() -> None:
@@ -75,7 +75,7 @@ def test_other_bytes_leave_a_simulation_as_it_was() -> None:
     for wrong in (
         b"",
         b"words",
-        jostle.World([(0, 0)], [(0, 0)], 1.0).snapshot(),
+        jostle.World([(0, 0)], 1.0).snapshot(),
         before[:-1],
         before[: len(before) // 2],
         before + b"x",
@@ -179,7 +179,7 @@ def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
         "cut.jostle": good[: len(good) // 2],
         "bent.jostle": good[:400] + bytes([good[400] ^ 1]) + good[401:],
         "longer.jostle": good + b"x",
-        "plain.jostle": jostle.World([(0, 0)], [(0, 0)], 1.0).snapshot(),
+        "plain.jostle": jostle.World([(0, 0)], 1.0).snapshot(),
         "world.jostle": session.engine.simulation.save(),
     }
     text = jostle.World.restore(good).attachment

@@ -134,7 +134,7 @@ def test_a_refused_step_pauses_and_another_setting_goes_on(synchronous: bool) ->
 
 
 def test_an_absurd_gravity_of_a_torus_is_refused_and_can_be_gone_back_from() -> None:
-    driver = Driver(world_of(TWO, container=jostle.Torus(800.0, 500.0)))
+    driver = Driver(world_of(TWO, period=(800.0, 500.0)))
     driver.frames(5)
     steps, session = driver.session.engine.steps, driver.session
     session.runner.adjust("gravity", (0.0, 1e9))
@@ -148,7 +148,7 @@ def test_an_absurd_gravity_of_a_torus_is_refused_and_can_be_gone_back_from() -> 
 
 
 def test_a_run_without_a_window_hears_of_a_refusal() -> None:
-    simulation = world_of(TWO, container=jostle.Torus(800.0, 500.0), gravity=(0.0, 1e12))
+    simulation = world_of(TWO, period=(800.0, 500.0), gravity=(0.0, 1e12))
     engine = Engine(simulation, synchronous=True)
     with pytest.raises(ValueError, match=r"\w"):
         for _ in range(100):

@@ -179,7 +179,7 @@ def test_images_of_walls_are_drawn_on_a_torus_alone() -> None:
 
 
 def test_a_click_removes_the_image_of_a_wall_on_a_torus() -> None:
-    driver = Driver(world_of([(200, 250)], container=jostle.Torus(800, 500)))
+    driver = Driver(world_of([(200, 250)], period=(800, 500)))
     driver.session.interaction.commands.wall((600, 250), (900, 250))
     driver.key(pygame.K_2)
     driver.click((300, 250))

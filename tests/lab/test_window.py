@@ -52,7 +52,7 @@ def test_a_held_ball_comes_to_rest_at_the_cursor() -> None:
 
 
 def test_a_drag_crosses_the_boundary_of_a_torus() -> None:
-    driver = Driver(world_of(TWO, 20.0, container=jostle.Torus(800.0, 500.0)))
+    driver = Driver(world_of(TWO, 20.0, period=(800.0, 500.0)))
     hand = driver.session.interaction.drag_tool
     hand.grab(0, (400.0, 250.0), 0.0)
     hand.follow((1040.0, 250.0), 1.0)

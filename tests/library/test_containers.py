@@ -81,7 +81,7 @@ def test_pattern_matching() -> None:
 
 @pytest.mark.parametrize("container", ALL, ids=repr)
 def test_a_world_gives_back_what_it_was_given(container: Any) -> None:
-    world = jostle.World([], [], [], container=container)
+    world = jostle.World([], [], velocities=[], container=container)
     assert world.container == container
     assert type(world.container) is type(container)
 

@@ -20,7 +20,7 @@ def as_set(pairs: np.ndarray) -> Pairs:
 
 
 def test_events_need_to_be_asked_for() -> None:
-    world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, radii=1.0)
+    world = jostle.World([(0, 0), (1, 0)], 1.0)
     assert world.track_events is False
     world.step(STEP)
     with pytest.raises(RuntimeError, match="track_events=True"):
@@ -39,7 +39,7 @@ def test_events_need_to_be_asked_for() -> None:
 
 def test_a_merged_particle_leaves() -> None:
     world = jostle.World(
-        [(0, 0), (3, 0)], [(9, 0), (0, 0)], radii=1.0, on_touch="merge", track_events=True
+        [(0, 0), (3, 0)], 1.0, velocities=[(9, 0), (0, 0)], on_touch="merge", track_events=True
     )
     world.step(0.2)
     assert as_set(world.events.entered) == as_set(world.events.exited) == {(0, 1)}
@@ -51,12 +51,12 @@ def goal(**keywords: object) -> jostle.World:
     gate = [(5.0, y) for y in range(-4, 5, 2)]
     return jostle.World(
         [(0, 0), *gate],
-        [(3, 0)] + [(0, 0)] * len(gate),
-        radii=[0.5] + [1.0] * len(gate),
+        [0.5] + [1.0] * len(gate),
+        velocities=[(3, 0)] + [(0, 0)] * len(gate),
         movable=[True] + [False] * len(gate),
         sensors=[False] + [True] * len(gate),
         track_events=True,
-        **keywords,  # type: ignore[arg-type]
+        **keywords,
     )
 
 
@@ -95,10 +95,10 @@ def test_a_disc_that_is_stopped_in_front_of_a_sensor_does_not_touch_it() -> None
 
 
 def test_sensors_can_be_set_added_and_saved() -> None:
-    world = jostle.World([(0, 0), (5, 0)], [(0, 0)] * 2, radii=1.0, sensors=[False, True])
+    world = jostle.World([(0, 0), (5, 0)], 1.0, sensors=[False, True])
     world.set(0, sensors=True)
-    world.add((9, 0), (0, 0), sensors=True)
-    world.add((19, 0), (0, 0))
+    world.add((9, 0), sensors=True)
+    world.add((19, 0))
     assert world.sensors.dtype == bool and world.sensors.tolist() == [True, True, True, False]
     assert jostle.World.restore(world.snapshot()).sensors.tolist() == world.sensors.tolist()
     with pytest.raises(ValueError, match="read-only"):
@@ -129,7 +129,7 @@ def test_a_sensor_reports_discs_that_are_not_movable() -> None:
 
 def test_collisions_count_the_last_call() -> None:
     box = jostle.Box(-4, -1, 4, 1)
-    world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+    world = jostle.World([(-3, 0), (0, 0)], 1.0, velocities=[(1, 0), (0, 0)], container=box)
     assert world.collisions == jostle.WorldCollisions(0, 0)
     world.step(0.5, steps=20)
     assert world.collisions == jostle.WorldCollisions(pairs=3, walls=2)
@@ -139,7 +139,9 @@ def test_collisions_count_the_last_call() -> None:
 
 
 def test_a_refused_call_leaves_the_record_of_the_call_before() -> None:
-    world = jostle.World([(0, 0), (3, 0)], [(3, 0), (0, 0)], 1.0, gravity=(0, 1), track_events=True)
+    world = jostle.World(
+        [(0, 0), (3, 0)], 1.0, velocities=[(3, 0), (0, 0)], gravity=(0, 1), track_events=True
+    )
     world.step(1.0)
     assert world.collisions.pairs == 1
     before, events = world.snapshot(), world.events.entered.tolist()

@@ -28,8 +28,8 @@ def world_of(n: int, seed: int, **arguments: Any) -> jostle.World:
     }
     return jostle.World(
         rng.uniform(0, side, (n, 2)),
-        rng.uniform(-3, 3, (n, 2)),
         rng.uniform(0.2, 0.5, n),
+        velocities=rng.uniform(-3, 3, (n, 2)),
         **arguments,
     )
 
@@ -53,13 +53,13 @@ def test_only_pairs_that_may_touch_do(seed: int, method: Any) -> None:
 
 
 def test_they_are_columns() -> None:
-    world = jostle.World(np.zeros((3, 2)), np.zeros((3, 2)), 1.0)
+    world = jostle.World(np.zeros((3, 2)), 1.0)
     assert world.categories.tolist() == [1, 1, 1] and world.masks.tolist() == [ALL_BITS] * 3
     assert world.masks.dtype == world.categories.dtype == np.uint32
     assert not world.masks.flags.writeable
     world.categories = GHOST
     world.masks = [1, 2, -1]
-    assert world.add([(5, 5)], [(0, 0)], 1.0, categories=7).tolist() == [3]
+    assert world.add([(5, 5)], 1.0, categories=7).tolist() == [3]
     world.set([0, 1], categories=[4, 8], masks=~8)
     assert world.categories.tolist() == [4, 8, GHOST, 7]
     assert world.masks.tolist() == [ALL_BITS - 8] * 2 + [ALL_BITS] * 2
@@ -84,12 +84,12 @@ def test_wrong_ones_are_refused(
 ) -> None:
     points = [(0, 0), (1, 0), (9, 0)]
     still = np.zeros((3, 2))
-    world = jostle.World(points, still, 1.0)
+    world = jostle.World(points, 1.0, velocities=still)
     before = world.snapshot()
     for call in (
         lambda: jostle.find_pairs(points, 1.0, **arguments),
-        lambda: jostle.World(points, still, 1.0, **arguments),
-        lambda: world.add(points, still, 1.0, **arguments),
+        lambda: jostle.World(points, 1.0, velocities=still, **arguments),
+        lambda: world.add(points, 1.0, velocities=still, **arguments),
         lambda: world.set([0, 1, 2], **arguments),
         *(partial(setattr, world, *item) for item in arguments.items()),
     ):
@@ -113,7 +113,6 @@ def test_a_platform_that_only_some_stand_on() -> None:
     """An immovable disc with a category that only one of two may touch."""
     world = jostle.World(
         [(0, 0), (0, 2.5), (0.0, 5)],
-        np.zeros((3, 2)),
         1.0,
         movable=[False, True, True],
         gravity=(0, -9.8),

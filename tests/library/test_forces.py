@@ -24,7 +24,7 @@ ALL = list(BY_TEXT.values())
 
 def make(n: int = 3, **options: Any) -> jostle.World:
     positions = 10.0 * np.arange(2 * n).reshape(n, 2)
-    return jostle.World(positions, np.zeros((n, 2)), radii=0.5, masses=1.0, **options)
+    return jostle.World(positions, 0.5, masses=1.0, **options)
 
 
 def test_attributes_are_the_arguments() -> None:
@@ -117,7 +117,7 @@ def pushed_world(**settings: Any) -> jostle.World:
     positions = [(0, 0), (5, 0), (9, 0)]
     masses, movable = [1, 2, 4], [True, True, False]
     zeros = np.zeros((3, 2))
-    return jostle.World(positions, zeros, 0.5, masses=masses, movable=movable, **settings)
+    return jostle.World(positions, 0.5, masses=masses, movable=movable, **settings)
 
 
 @pytest.mark.parametrize("steps", [1, 7, 2000])
@@ -148,7 +148,7 @@ def test_none_ends_accelerations() -> None:
 def test_a_magnetic_field_turns_velocities() -> None:
     """A charge moves on a circle with constant speed."""
     dt, omega = 1 / 200, 1.5
-    charge = jostle.World([(0, 0)], [(3, 0)], 0.1)
+    charge = jostle.World([(0, 0)], 0.1, velocities=[(3, 0)])
     c, s = np.cos(omega * dt), np.sin(omega * dt)
     turn = np.array([[c, s], [-s, c]])
     places = []

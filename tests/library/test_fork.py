@@ -68,7 +68,7 @@ def test_a_fork_during_a_call_of_another_thread_does_not_hang(threads: int) -> N
     centers = rng.random((20_000, 2))
     space = jostle.Space(threads=threads)
     ids = space.add(centers, 0.001)
-    world = jostle.World(centers, centers, 0.001, threads=threads)
+    world = jostle.World(centers, 0.001, velocities=centers, threads=threads)
     tree = jostle.Quadtree(centers, 0.001, threads=threads)
     expected = jostle.find_pairs(centers, 0.001, sort=True)
 
@@ -89,7 +89,7 @@ def test_a_fork_during_a_call_of_another_thread_does_not_hang(threads: int) -> N
 def test_a_child_can_use_what_no_other_thread_was_using() -> None:
     space = jostle.Space()
     space.add([(0, 0), (1, 0)], 1.0)
-    world = jostle.World([(0, 0)], [(1, 0)], 1.0)
+    world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
 
     def work() -> None:
         assert len(space.update().entered) == 1

@@ -24,8 +24,8 @@ class History:
         self.random = random.Random(seed)
         self.world = jostle.World(
             np.empty((0, 2)),
-            np.empty((0, 2)),
             0.4,
+            velocities=np.empty((0, 2)),
             gravity=(0, 3),
             restitution=0.5,
             container=jostle.Box(0, 0, SIDE, SIDE),
@@ -50,7 +50,7 @@ class History:
             assert type(one) is int
             ids = [one]
         else:
-            ids = self.world.add(places, speeds, 0.4, masses=masses).tolist()
+            ids = self.world.add(places, 0.4, velocities=speeds, masses=masses).tolist()
         assert ids == list(range(self.given, self.given + count))
         self.given += count
         self.masses.update(zip(ids, masses, strict=True))
@@ -186,8 +186,8 @@ def made_anew(world: jostle.World, on_touch: str) -> jostle.World:
             forces.append(jostle.Attractor(particle=rows[force.particle], strength=0.5))
     return jostle.World(
         world.positions,
-        world.velocities,
         world.radii,
+        velocities=world.velocities,
         masses=world.masses,
         gravity=(0, 3),
         restitution=0.5,
@@ -220,7 +220,7 @@ def test_removed_particles_leave_no_trace(seed: int, on_touch: str, acts: list[s
 
 
 def test_rows_may_be_asked_for_twice() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
     world.remove(0)
     rows = world.rows([2, 1, 2])
     assert (rows.dtype, rows.tolist()) == (np.int64, [1, 0, 1])
@@ -228,7 +228,7 @@ def test_rows_may_be_asked_for_twice() -> None:
 
 
 def test_in_takes_one_id() -> None:
-    world = jostle.World([(0, 0), (5, 0)], [(0, 0)] * 2, radii=1.0)
+    world = jostle.World([(0, 0), (5, 0)], 1.0)
     world.remove(0)
     assert 1 in world
     assert np.int64(1) in world
@@ -239,7 +239,7 @@ def test_in_takes_one_id() -> None:
 
 
 def test_answers_of_the_quadtree_are_rows() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
     world.remove(0)
     rows = world.quadtree().query_circle((9.0, 0.0), 0.5)
     assert world.ids[rows].tolist() == [2]
@@ -249,7 +249,7 @@ def test_ids_of_forces_may_be_large() -> None:
     pull = jostle.Attractor(particle=2**40, strength=1.0)
     assert pull.particle == 2**40
     assert jostle.Springs([(2**40, 1)], 1.0, 1.0).pairs.tolist() == [[2**40, 1]]
-    world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
+    world = jostle.World([(0, 0)], 1.0)
     with pytest.raises(ValueError, match=f"^forces.0. is a force on particle {2**40}; no particle"):
         world.forces = [pull]
     with pytest.raises(ValueError, match=r"^pairs\[1\] is -1; it must be the id of a particle"):

@@ -68,7 +68,7 @@ TOO_MANY = {
         lambda: jostle.find_pairs(PLACES),
         lambda: jostle.Quadtree(PLACES),
         lambda: space().add(PLACES),
-        lambda: jostle.World(PLACES, PLACES, 1.0),
+        lambda: jostle.World(PLACES, 1.0, velocities=PLACES),
     ],
     "radii": [
         lambda: jostle.find_pairs(POINTS, NUMBERS),
@@ -149,7 +149,7 @@ def test_an_array_with_inconsistent_conversions_is_read_as_it_is(dtype: str) -> 
     collection = space()
     collection.remove(ids)
     assert collection.ids.tolist() == [1]
-    world = jostle.World(centers, centers, radii)
+    world = jostle.World(centers, radii, velocities=centers)
     np.testing.assert_array_equal(world.positions, POINTS.astype(dtype).astype(np.float32))
 
 
@@ -175,11 +175,11 @@ def test_masked_elements_are_refused() -> None:
         "positions[2]": [
             lambda: jostle.find_pairs(centers),
             lambda: space().add(centers),
-            lambda: jostle.World(centers, zeros, 1.0),
+            lambda: jostle.World(centers, 1.0),
         ],
         "radii[1]": [
             lambda: jostle.Quadtree(POINTS, radii),
-            lambda: jostle.World(POINTS, zeros, radii),
+            lambda: jostle.World(POINTS, radii),
         ],
         "positions[3]": [lambda: jostle.find_pairs(pieces)],
         "radii": [lambda: jostle.find_pairs(POINTS, np.ma.masked)],
@@ -211,7 +211,7 @@ def test_an_array_without_elements_may_have_any_dtype(dtype: Any) -> None:
     assert collection.get(nothing).positions.shape == (0, 2)
     assert jostle.find_pairs(nothing, nothing).shape == (0, 2)
     assert len(jostle.Quadtree(nothing, masks=nothing)) == 0
-    world = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
+    world = jostle.World(POINTS, 1.0)
     world.remove(nothing)
     world.set(nothing, radii=nothing, movable=nothing)
     assert len(world.positions) == 3
@@ -259,10 +259,10 @@ def test_more_than_32_bits_are_refused(bits: int, name: str) -> None:
 
 
 def test_every_id_is_an_int64() -> None:
-    world = jostle.World(POINTS, np.zeros((3, 2)), 1.0, on_touch="merge")
-    added = world.add([(50, 50)], [(0, 0)], 1.0)
+    world = jostle.World(POINTS, 1.0, on_touch="merge")
+    added = world.add([(50, 50)], 1.0)
     world.step(1.0)
-    other = jostle.World(POINTS, np.zeros((3, 2)), 1.0)
+    other = jostle.World(POINTS, 1.0)
     other.step(1e-3)
     collection = space()
     events = collection.update()

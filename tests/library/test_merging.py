@@ -13,8 +13,8 @@ def merged_at_a_wall(order: list[int]) -> jostle.World:
     masses = np.array([1.0, 5.0])[order]
     world = jostle.World(
         positions,
-        velocities,
         1.0,
+        velocities=velocities,
         masses=masses,
         restitution=0.5,
         on_touch="merge",
@@ -43,11 +43,11 @@ def test_the_order_of_adding_does_not_show_where_some_have_no_room(seed: int) ->
     def after_steps(order: np.ndarray) -> tuple[list[int], np.ndarray]:
         world = jostle.World(
             positions[order],
-            velocities[order],
             radii[order],
+            velocities=velocities[order],
             gravity=(0, 1),
             restitution=0.5,
-            container=jostle.Torus(10, 10),
+            period=(10, 10),
             walls=[[[2, 4], [8, 4]], [[2, 6], [8, 6]]],
             on_touch="merge",
         )
@@ -71,7 +71,7 @@ def test_a_disc_pulled_by_a_spring_merges_with_what_it_passes(far: int, steps: i
     positions = [(0, 0), (10, 0), (5, 0), *((0, 1000 + 50 * k) for k in range(far))]
     velocities = [(0, 0)] * 3 + [(100, 0)] * far
     movable = [True, False, True] + [True] * far
-    world = jostle.World(positions, velocities, 0.2, movable=movable, on_touch="merge")
+    world = jostle.World(positions, 0.2, velocities=velocities, movable=movable, on_touch="merge")
     world.forces = [jostle.Springs([(0, 1)], lengths=0.5, stiffness=40.0)]
     world.step(0.4 / steps, steps)
     assert len(world) - far == 1
@@ -79,7 +79,9 @@ def test_a_disc_pulled_by_a_spring_merges_with_what_it_passes(far: int, steps: i
 
 def test_a_refused_step_keeps_the_record_of_merged_particles() -> None:
     """As it keeps events."""
-    world = jostle.World([(0, 0), (3, 0), (9, 0)], [(2, 0), (-1, 0), (0, 0)], 0.6, on_touch="merge")
+    world = jostle.World(
+        [(0, 0), (3, 0), (9, 0)], 0.6, velocities=[(2, 0), (-1, 0), (0, 0)], on_touch="merge"
+    )
     world.step(0.1, 20)
     before = world.renumbered
     assert before.tolist() == [0, 0, 2]
@@ -94,7 +96,9 @@ def test_given_accelerations_of_removed_particles_do_not_act() -> None:
     """Otherwise the step would have four sub-steps instead of one."""
 
     def after(accelerated: bool) -> bytes:
-        world = jostle.World([(0, 0), (3, 0.3), (90, 0)], [(1, 0), (-1, 0), (0, 0)], 1.0, drag=0.3)
+        world = jostle.World(
+            [(0, 0), (3, 0.3), (90, 0)], 1.0, velocities=[(1, 0), (-1, 0), (0, 0)], drag=0.3
+        )
         if accelerated:
             world.force([2], [(1, 0)])
         world.remove([2])

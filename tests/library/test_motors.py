@@ -18,7 +18,7 @@ def world(**settings: Any) -> jostle.World:
     walls = [((-5, -5), (5, -5)), ((-5, 5), (5, 5))]
     movable = [False, False, True]
     positions = [(1, 0), (2, 0), (4, 3)]
-    return jostle.World(positions, np.zeros((3, 2)), 0.5, movable=movable, walls=walls, **settings)
+    return jostle.World(positions, 0.5, movable=movable, walls=walls, **settings)
 
 
 def test_they_are_values() -> None:
@@ -99,8 +99,8 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
     walls = [[[5, 5], [9, 5]]]
     world = jostle.World(
         [(0, 0), (5, 0)],
-        [(0.25, 0), (0, 0)],
         1.0,
+        velocities=[(0.25, 0), (0, 0)],
         movable=[False, True],
         walls=walls,
         wall_velocities=[(0.5, 0)],
@@ -117,7 +117,6 @@ def test_others_sleep_while_a_motor_drives(velocity: tuple[float, float]) -> Non
     """The driven particle has a larger id than there are awake particles."""
     world = jostle.World(
         [(0, 9), (50, 0), (3, 9)],
-        np.zeros((3, 2)),
         1.0,
         movable=[True, False, True],
         gravity=(0, 9.8),

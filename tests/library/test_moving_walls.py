@@ -13,7 +13,7 @@ WALLS = jostle.polyline([(0, 0), (4, 0), (4, 3)])
 
 
 def test_velocities_are_given_for_all_or_one_each() -> None:
-    world = jostle.World([], [], [], walls=WALLS, wall_velocities=(1, 2))
+    world = jostle.World([], [], velocities=[], walls=WALLS, wall_velocities=(1, 2))
     assert world.wall_velocities.dtype == np.float32
     assert world.wall_velocities.tolist() == [[1, 2], [1, 2]]
     world.step(0.5, steps=4)
@@ -37,20 +37,20 @@ def test_velocities_are_given_for_all_or_one_each() -> None:
     ],
 )
 def test_wrong_velocities_are_refused(value: ArrayLike, message: str) -> None:
-    world = jostle.World([], [], [], walls=WALLS, wall_velocities=(1, 2))
+    world = jostle.World([], [], velocities=[], walls=WALLS, wall_velocities=(1, 2))
     with pytest.raises(ValueError, match=message):
         world.wall_velocities = value  # type: ignore[assignment]
     assert world.wall_velocities.tolist() == [[1, 2], [1, 2]]
     with pytest.raises(ValueError, match=message):
-        jostle.World([], [], [], walls=WALLS, wall_velocities=value)
+        jostle.World([], [], velocities=[], walls=WALLS, wall_velocities=value)
 
 
 def test_a_snapshot_keeps_what_rounding_removed() -> None:
     def make() -> jostle.World:
         return jostle.World(
             [(30, 1)],
-            [(-1, 0)],
             1,
+            velocities=[(-1, 0)],
             walls=[((1000.1, -2), (1000.1, 4))],
             wall_velocities=(-1 / 3, 0),
         )
@@ -79,14 +79,14 @@ def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, f
     at = (np.stack(np.divmod(np.arange(n), cells), 1) + 0.5) * (side / cells)
     world = jostle.World(
         at,
-        rng.normal(size=(n, 2)) * 10,
         radius,
+        velocities=rng.normal(size=(n, 2)) * 10,
         masses=1.0,
         container=jostle.Box(0, 0, side, side),
         walls=[((side, -1), (side, side + 1))],
     )
     world.step(1.0, steps=5)
-    before = world.kinetic_energy
+    before = world.kinetic_energy()
     world.wall_velocities = (-speed, 0)
     seconds = side * (1 - ratio) / speed
     world.step(seconds / 200, steps=200)
@@ -95,7 +95,7 @@ def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, f
     height = side - 2 * radius
     z = henderson(n * np.pi * radius**2 / (widths * height))
     exponent = np.sum((z / widths)[1:] + (z / widths)[:-1]) / 2 * (widths[1] - widths[0])
-    return world.kinetic_energy / before, float(np.exp(exponent))
+    return world.kinetic_energy() / before, float(np.exp(exponent))
 
 
 @pytest.mark.usefixtures("usual_threads")

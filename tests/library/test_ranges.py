@@ -176,8 +176,8 @@ def test_a_plain_number_too_small_for_float32_is_not_taken_for_0() -> None:
 def test_a_world_has_the_same_limits() -> None:
     for radius in (1e-19, 2e18):
         with pytest.raises(ValueError, match=r"^radii is .*; a radius must be 0, or between 1e-18"):
-            jostle.World([(0, 0)], [(0, 0)], radius)
-    world = jostle.World([(0, 0), (1e-18, 0)], np.zeros((2, 2)), 1e-18, masses=1, on_touch="ignore")
+            jostle.World([(0, 0)], radius)
+    world = jostle.World([(0, 0), (1e-18, 0)], 1e-18, masses=1, on_touch="ignore")
     assert world.contacts.pairs.tolist() == [[0, 1]]
 
 

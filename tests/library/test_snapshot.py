@@ -92,7 +92,7 @@ def test_files_of_this_format_can_be_loaded() -> None:
     assert world.asleep.tolist() == [True] * 6 + [False] + [True] * 2 + [False] * 2
     assert [type(force).__name__ for force in world.forces] == ["Springs", "Motor"]
     assert json.loads(str(world.attachment)) == {"name": "µ"}
-    assert world.add((1, 1), (0, 0)) == 12 and world.radii[-1] == 0.5
+    assert world.add((1, 1)) == 12 and world.radii[-1] == 0.5
     world = jostle.World.load(FILES / "snapshot-forces.jostle")
     assert len(world.forces) == 9 and world.wall_velocities.tolist() == [[0.25, 0], [0, 0]]
     assert world.sensors.tolist() == [False, True, False, False, False, False]
@@ -138,8 +138,8 @@ def test_worlds_with_enormous_impulses_can_be_restored() -> None:
     for _ in range(20):
         world = jostle.World(
             rng.uniform(1, 5, (3, 2)),
-            rng.normal(0, 1e12, (3, 2)),
             0.4,
+            velocities=rng.normal(0, 1e12, (3, 2)),
             masses=1e30,
             friction=0.7,
             restitution=1.0,
@@ -156,7 +156,7 @@ def test_worlds_with_enormous_impulses_can_be_restored() -> None:
 def test_walls_that_were_stopped_keep_what_rounding_removed() -> None:
     """A restored world continues with the same bits."""
     walls = [((-5, 5), (5, 5.3))]
-    world = jostle.World([(0, 0)], [(0, 3)], 1.0, walls=walls, wall_velocities=(0, -0.1))
+    world = jostle.World([(0, 0)], 1.0, velocities=[(0, 3)], walls=walls, wall_velocities=(0, -0.1))
     world.step(1 / 60, steps=10)
     world.wall_velocities = None
     other = jostle.World.restore(world.snapshot())

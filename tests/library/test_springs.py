@@ -57,7 +57,7 @@ def springs(places: Places, pairs: Pairs, stiffness: float, damping: float = 0) 
 
 def energy(world: jostle.World) -> float:
     """The energy of a world."""
-    return world.kinetic_energy + world.potential_energy
+    return world.kinetic_energy() + world.potential_energy()
 
 
 def growth(world: jostle.World, steps: int) -> float:
@@ -84,8 +84,7 @@ def make(floor: str, places: Places, restitution: float, mass: float = 1) -> jos
         movable += [False] * len(below)
     return jostle.World(
         places,
-        np.zeros_like(places),
-        radii=1,
+        1,
         masses=mass,
         movable=movable,
         gravity=(0, GRAVITY),
@@ -144,13 +143,13 @@ def test_a_free_body_keeps_its_energy(stiffness: float) -> None:
     places, pairs = lattice(3, 3, 0, 0)
     velocities = np.zeros_like(places)
     velocities[0] = (1, 2)
-    world = jostle.World(places, velocities, radii=1, masses=1, restitution=0.5)
+    world = jostle.World(places, 1, velocities=velocities, masses=1, restitution=0.5)
     world.forces = [springs(places, pairs, stiffness)]
-    first, momentum = energy(world), world.momentum
+    first, momentum = energy(world), world.momentum()
     for _ in range(120):
         world.step(STEP)
         assert energy(world) == pytest.approx(first, rel=0.1)
-    np.testing.assert_allclose(world.momentum, momentum, atol=1e-4)
+    np.testing.assert_allclose(world.momentum(), momentum, atol=1e-4)
 
 
 def test_bodies_do_not_change_each_other() -> None:
@@ -194,8 +193,7 @@ def test_a_moving_anchor_wakes_what_hangs_from_it() -> None:
     """A disc that hangs from a static one falls asleep, and wakes when that one moves."""
     world = jostle.World(
         [(0, 0), (0, 3)],
-        [(0, 0), (0, 0)],
-        radii=0.5,
+        0.5,
         masses=1,
         movable=[False, True],
         gravity=(0, GRAVITY),

@@ -21,8 +21,8 @@ def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jo
     velocities = np.random.default_rng(1).normal(size=(N, 2)) * 0.5
     return jostle.World(
         lattice(N, SIDE, SIDE)[order],
-        velocities[order],
         1.0,
+        velocities=velocities[order],
         masses=1.0,
         container=jostle.Box(0, 0, SIDE, SIDE),
         forces=forces,
@@ -45,7 +45,7 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
     for _ in range(5):
         world.step(1.0, steps=steps // 10)
         velocities = world.velocities
-        energies.append(world.kinetic_energy / N)
+        energies.append(world.kinetic_energy() / N)
         for axis in (0, 1):
             assert kstest(velocities[:, axis], "norm").pvalue > 1e-4
     # The standard deviation of the energy of one sample is kT/√N.

@@ -26,7 +26,7 @@ def test_polyline_joins_points() -> None:
 
 def test_walls_are_a_column() -> None:
     walls = jostle.polyline([(-5, 0), (0, 0), (5, 0)])
-    world = jostle.World([(0, 3)], [(0, 0)], 1.0, walls=walls, wall_restitution=[0.5, 1])
+    world = jostle.World([(0, 3)], 1.0, walls=walls, wall_restitution=[0.5, 1])
     np.testing.assert_array_equal(world.walls, walls)
     assert world.walls.dtype == np.float32 and not world.walls.flags.writeable
     assert world.wall_restitution.tolist() == [0.5, 1]
@@ -62,12 +62,12 @@ def test_walls_are_a_column() -> None:
 )
 def test_invalid_walls_are_refused(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
-        jostle.World([(3, 3)], [(0, 0)], 1.0, **arguments)
+        jostle.World([(3, 3)], 1.0, **arguments)
 
 
 def test_a_refused_change_leaves_the_walls() -> None:
     walls = jostle.polyline([(-5, 0), (5, 0)])
-    world = jostle.World([(0, 3)], [(0, 0)], 1.0, walls=walls)
+    world = jostle.World([(0, 3)], 1.0, walls=walls)
     with pytest.raises(ValueError, match="its ends must differ"):
         world.walls = np.zeros((1, 2, 2))
     np.testing.assert_array_equal(world.walls, walls)
@@ -77,8 +77,8 @@ def test_each_side_of_a_container_has_a_number_and_a_restitution() -> None:
     """Four discs fly to the four sides; the impulses say with which coefficient."""
     world = jostle.World(
         [(5, 5)] * 4,
-        [(-5, 0), (5, 0), (0, -5), (0, 5)],
         1.0,
+        velocities=[(-5, 0), (5, 0), (0, -5), (0, 5)],
         masks=0,
         container=BOX,
         container_restitution=[0.5, 0.25, 0.75, 0],
@@ -90,7 +90,7 @@ def test_each_side_of_a_container_has_a_number_and_a_restitution() -> None:
 
 
 def test_the_restitution_of_sides_is_a_setting() -> None:
-    world = jostle.World([(5, 5)], [(1, 0)], 1.0, container=BOX)
+    world = jostle.World([(5, 5)], 1.0, velocities=[(1, 0)], container=BOX)
     assert world.container_restitution.tolist() == [1, 1, 1, 1]
     world.container_restitution = [1, 0.5, 0.25, 0]
     again = jostle.World.restore(world.snapshot())
@@ -114,8 +114,10 @@ def test_the_restitution_of_sides_is_a_setting() -> None:
 def test_wrong_restitutions_of_sides_are_refused(container: Any, value: Any, message: str) -> None:
     start = f"^{re.escape(message)}"
     with pytest.raises(ValueError, match=start):
-        jostle.World([(5, 5)], [(1, 0)], 1.0, container=container, container_restitution=value)
-    world = jostle.World([(5, 5)], [(1, 0)], 1.0, container=container)
+        jostle.World(
+            [(5, 5)], 1.0, velocities=[(1, 0)], container=container, container_restitution=value
+        )
+    world = jostle.World([(5, 5)], 1.0, velocities=[(1, 0)], container=container)
     with pytest.raises(ValueError, match=start):
         world.container_restitution = value
     assert world.container_restitution.tolist() == [1, 1, 1, 1]

@@ -25,8 +25,8 @@ def busy_world() -> jostle.World:
     grid = np.stack(np.meshgrid(np.arange(6), np.arange(5)), -1).reshape(-1, 2)
     world = jostle.World(
         grid * 2.2 + (1, 1),
-        rng.normal(size=(n, 2)),
         rng.uniform(0.5, 1, n),
+        velocities=rng.normal(size=(n, 2)),
         restitution=rng.uniform(0.2, 0.6, n),
         friction=rng.uniform(0, 0.5, n),
         angles=rng.uniform(-3, 3, n),
@@ -40,7 +40,7 @@ def busy_world() -> jostle.World:
     world.set(11, sensors=True)
     world.remove([0, 17])
     world.step(STEP, steps=1500)
-    world.add((7, 25), velocities=(1, 0), radii=0.7)
+    world.add((7, 25), 0.7, velocities=(1, 0))
     world.step(STEP, steps=3)
     return world
 
@@ -88,7 +88,7 @@ def test_what_is_read_can_be_added_and_set() -> None:
 
 def test_kinds_are_read_added_and_set() -> None:
     force = jostle.PairForce([0, 2, 1], np.zeros((3, 3, 2)), 5.0)
-    world = jostle.World([(0, 0), (9, 0), (18, 0)], [(0, 0)] * 3, 1.0, forces=[force])
+    world = jostle.World([(0, 0), (9, 0), (18, 0)], 1.0, forces=[force])
     world.remove(0)
     assert world.read([2, 1]).kinds.tolist() == [1, 2] and world.read(1).kinds == 2
     assert type(world.read(1).kinds) is int and world.read([]).kinds.dtype == np.uint8
@@ -109,7 +109,7 @@ def test_kinds_are_read_added_and_set() -> None:
 
 
 def test_kinds_belong_to_particles() -> None:
-    world = jostle.World([(0, 0), (9, 0)], [(0, 0)] * 2, 1.0)
+    world = jostle.World([(0, 0), (9, 0)], 1.0)
     world.set([0, 1], kinds=[2, 0])
     pairs = [jostle.PairForce([1, 2], np.zeros((3, 3, 2)), 5.0 + k) for k in range(2)]
     world.forces = [*pairs, jostle.Thermostat(1.0, 0.5)]
@@ -156,7 +156,7 @@ VALUES = {
     "velocities": st.tuples(st.floats(-3, 3, width=32), st.just(0.0)),
     "radii": st.sampled_from([0.0, 0.5, 1.0]),
     "masses": st.sampled_from([0.5, 2.0]),
-    "restitutions": st.sampled_from([0.0, 0.25, 1.0]),
+    "restitution": st.sampled_from([0.0, 0.25, 1.0]),
     "movable": st.booleans(),
     "friction": st.sampled_from([0.0, 0.25]),
     "angles": st.floats(-3, 3, width=32),

@@ -30,14 +30,12 @@ def ctrl_c() -> Iterator[None]:
 def overflowing() -> jostle.World:
     return jostle.World(
         [(0, 0), (3, 0), (6, 0)],
-        np.zeros((3, 2)),
-        radii=1.0,
+        1.0,
         masses=1e26,
         gravity=(0, 10),
         drag=1e3,
         container=jostle.Box(-20, -20, 20, 20),
         forces=[jostle.Gravitation(1, 0.1)],
-        # The impulses of resting contacts are float32.
         restitution=0.5,
         substeps=1,
     )
@@ -45,8 +43,8 @@ def overflowing() -> jostle.World:
 
 def test_a_step_that_overflows_names_the_id_where_it_is_not_the_row() -> None:
     world = overflowing()
-    world.remove(world.add((-15, 0), (0, 0), masses=1.0))
-    ids = world.add([(10, 0), (13, 0), (16, 0)], np.zeros((3, 2)))
+    world.remove(world.add((-15, 0), masses=1.0))
+    ids = world.add([(10, 0), (13, 0), (16, 0)])
     world.remove([0, 1, 2])
     with pytest.raises(ValueError, match="would make") as error:
         world.step(0.01, 1000)
@@ -125,8 +123,8 @@ def worlds(draw: st.DrawFn) -> jostle.World:
     )
     return jostle.World(
         vectors(),
-        vectors(),
         column(sizes),
+        velocities=vectors(),
         masses=column(positive.filter(lambda m: m <= 1e30)),
         movable=draw(st.lists(st.booleans(), min_size=n, max_size=n)),
         gravity=(draw(numbers), draw(numbers)),
@@ -167,7 +165,9 @@ def long_step() -> tuple[jostle.World, float]:
     """A world of which one step takes seconds, and its time of step."""
     rng = np.random.default_rng(2)
     positions = rng.uniform(0, 300, (20_000, 2))
-    world = jostle.World(positions, rng.normal(size=(20_000, 2)), 1.0, substeps=1000, threads=1)
+    world = jostle.World(
+        positions, 1.0, velocities=rng.normal(size=(20_000, 2)), substeps=1000, threads=1
+    )
     return world, 1 / 60
 
 
@@ -210,5 +210,5 @@ def test_a_handler_that_uses_the_world_during_a_step_is_told_why_it_cannot() -> 
 def test_a_particle_without_radius_needs_a_mass() -> None:
     sentence = r"radii\[1\] is 0; its mass, density times radius squared, would be 0e0, but must"
     with pytest.raises(ValueError, match=sentence):
-        jostle.World([(0, 0), (1, 1)], np.zeros((2, 2)), radii=[1, 0])
-    assert len(jostle.World([(0, 0), (1, 1)], np.zeros((2, 2)), radii=[1, 0], masses=1)) == 2
+        jostle.World([(0, 0), (1, 1)], [1, 0])
+    assert len(jostle.World([(0, 0), (1, 1)], [1, 0], masses=1)) == 2

@@ -57,8 +57,8 @@ def test_signals() -> None:
     calls: list[Callable[[], Any]] = [
         world.state_hash,
         world.gather,
-        lambda: world.kinetic_energy,
-        lambda: world.momentum,
+        lambda: world.kinetic_energy(),
+        lambda: world.momentum(),
     ]
     for call in calls:
         fail_by_the_last_rank(call, InterruptedError, "told so")
@@ -83,8 +83,11 @@ def test_errors() -> None:
         ("forces[0]", lambda: scattered(gas(50, forces=[jostle.Gravitation(1.0)]), evenly)),
         ("dt", lambda: world.step(-1.0)),
         ("steps is -1", lambda: world.step(0.1, -1)),
-        ("gravity", lambda: jostle.mpi.World(comm(), [], [], [], gravity=(comm().rank, 0))),
-        ("walls", lambda: jostle.mpi.World(comm(), [], [], [], walls=walls)),
+        (
+            "gravity",
+            lambda: jostle.mpi.World(comm(), [], [], velocities=[], gravity=(comm().rank, 0)),
+        ),
+        ("walls", lambda: jostle.mpi.World(comm(), [], [], velocities=[], walls=walls)),
     ]
     for argument, call in refused:
         if comm().size > 1 or argument not in ("gravity", "walls"):

@@ -77,9 +77,9 @@ def test_merging(folder: Path) -> None:
                 radii = own(np.array([0.5, 0.7]))
                 # Of worlds without friction and with elastic collisions they are so, too.
                 is_rolling = name == "torus"
-                given = {"friction": 0.2 * is_rolling, "restitutions": 1 - 0.1 * is_rolling}
+                given = {"friction": 0.2 * is_rolling, "restitution": 1 - 0.1 * is_rolling}
                 given["masses"] = 1.0
-                one.add(own(new), own(new), radii, **given)
+                one.add(own(new), radii, velocities=own(new), **given)
         check_asleep_now(f"{name}, changed", ours, world)
         check_saved(folder / f"merging-{number}", ours, world, 5)
         for one in (world, ours):

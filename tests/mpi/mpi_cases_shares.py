@@ -40,7 +40,7 @@ def share_of(
         if name in own and (own[name] == default).all() and random.random() < 0.7:
             del own[name]
     positions, velocities, radii = (own.pop(name) for name in ("positions", "velocities", "radii"))
-    ours = jostle.mpi.World(comm(), positions, velocities, radii, **own, **settings)
+    ours = jostle.mpi.World(comm(), positions, radii, velocities=velocities, **own, **settings)
     ours._core._rebalance_every(2)
     return ours
 
@@ -162,7 +162,7 @@ def test_substeps_are_decided_by_all_ranks() -> None:
             step_alike(name, ours, world, H, 5)
             ids = ours.ids
             for one, rows in ((world, np.arange(n)), (ours, ids)):
-                one.set(rows, **{name if name == "friction" else "restitutions": DEFAULTS[name]})
+                one.set(rows, **{name if name == "friction" else "restitution": DEFAULTS[name]})
             assert ours.substeps == world.substeps == 1
             ours.substeps = world.substeps = 3
             ours.substeps = world.substeps = None

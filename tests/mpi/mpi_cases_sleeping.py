@@ -73,7 +73,12 @@ def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
     return [
         ("a push", lambda w, own: w.set(own(pushed), velocities=own(np.ones((2, 2))))),
         ("nothing", lambda w, own: w.set(own(pushed[:0]), radii=own(np.zeros(0)))),
-        ("added", lambda w, own: w.add(own(new), own(still), own(np.full(7, 0.5)), friction=0.5)),
+        (
+            "added",
+            lambda w, own: w.add(
+                own(new), own(np.full(7, 0.5)), velocities=own(still), friction=0.5
+            ),
+        ),
         ("removed", lambda w, own: w.remove(own(gone))),
         ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
         ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
@@ -84,7 +89,9 @@ def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
         ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
         (
             "obstacles",
-            lambda w, own: w.add(own(new + 9.0), own(still), 1.0, movable=False, friction=0.6),
+            lambda w, own: w.add(
+                own(new + 9.0), 1.0, velocities=own(still), movable=False, friction=0.6
+            ),
         ),
     ]
 
@@ -131,7 +138,12 @@ def check_refused_edits() -> None:
         (lambda: ours.remove([7, 7] if last else []), "ids contain 7 twice"),
         (lambda: ours.remove([0.5] if last else []), "ids must be integers"),
         (lambda: ours.set([3] if last else [], radii=-1.0 if last else 1.0), "radii"),
-        (lambda: ours.add([(1, 1)] if last else none, [(1, 1)] if last else none, -1.0), "radii"),
+        (
+            lambda: ours.add(
+                [(1, 1)] if last else none, -1.0, velocities=[(1, 1)] if last else none
+            ),
+            "radii",
+        ),
         (lambda: setattr(ours, "drag", -1.0 if last else 0.0), "drag"),
     ):
         refuse(call, message)

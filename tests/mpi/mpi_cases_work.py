@@ -36,7 +36,7 @@ def test_many() -> None:
     """MPI has a limited number of communicators; worlds use it up neither now nor later."""
     for ranks in (comm(), MPI.COMM_SELF):
         for _ in range(1500):
-            jostle.mpi.World(ranks, [], [], [])
+            jostle.mpi.World(ranks, [], [], velocities=[])
 
 
 def test_calls() -> None:

@@ -51,7 +51,7 @@ def expected_of(name: str, world: jostle.World, dt: float, steps: int) -> Expect
 def expected_now(world: jostle.World, hashes: list[int]) -> Expected:
     """What distributed worlds must have at this time."""
     contacts = {kind: table_of(list(getattr(world, kind).to_dict().values())) for kind in CONTACTS}
-    return Expected(hashes, contacts, world.collisions, world.kinetic_energy)
+    return Expected(hashes, contacts, world.collisions, world.kinetic_energy())
 
 
 def counts(steps: int) -> list[int]:
@@ -80,7 +80,7 @@ def check(
         assert found == one, f"{name}: {found:#x} is not {one:#x} after {done} steps"
     assert sum(comm().allgather(len(ours))) == len(world) == ours.total
     energy = expected.kinetic_energy
-    assert abs(ours.kinetic_energy - energy) <= 1e-12 * energy
+    assert abs(ours.kinetic_energy() - energy) <= 1e-12 * energy
     check_touches(name, ours, expected)
     if comm().rank == 0:
         print(name, ours.traffic, flush=True)

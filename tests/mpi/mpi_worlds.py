@@ -125,8 +125,8 @@ def scattered(
         for force in world.forces
     ]
     # One number is the world's.
-    is_one = (world.restitutions == 1).all()
-    restitution = world.restitution if is_one else world.restitutions[mine]
+    is_one = (world.restitution == 1).all()
+    restitution = world.restitution if is_one else world.restitution[mine]
     kind = jostle.mpi.World if every is None else RandomDomains
     ours = kind(
         comm(),
@@ -157,7 +157,7 @@ def gas(n: int = 600, seed: int = 1, cover: float = 0.4, **options: Any) -> jost
     if container == "torus":
         container = jostle.Torus(width, width)
     velocities = options.pop("velocities", rng.normal(0, 20, (n, 2)))
-    return jostle.World(positions, velocities, radii, container=container, **options)
+    return jostle.World(positions, radii, velocities=velocities, container=container, **options)
 
 
 def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:
@@ -170,9 +170,7 @@ def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:
     positions = np.concatenate([triangles, row, late[:falling]])
     rules = {"gravity": (0.0, -9.8), "restitution": 0.3, "friction": 0.6, "substeps": 2} | options
     width = float(row[-1, 0]) + 3.0
-    return jostle.World(
-        positions, np.zeros_like(positions), 1.0, container=jostle.Box(0, 0, width, 200), **rules
-    )
+    return jostle.World(positions, 1.0, container=jostle.Box(0, 0, width, 200), **rules)
 
 
 def of_rank(rows: np.ndarray) -> np.ndarray:

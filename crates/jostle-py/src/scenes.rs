@@ -311,7 +311,7 @@ pub fn galton_board<'py>(
 /// >>> centers = jostle.scenes.wall((0, 0), (30, 40), radius=5)
 /// >>> centers.shape
 /// (26, 2)
-/// >>> world = jostle.World(centers, 0 * centers, 5, movable=False)
+/// >>> world = jostle.World(centers, 5, velocities=0 * centers, movable=False)
 #[pyfunction]
 pub fn wall<'py>(
     py: Python<'py>,

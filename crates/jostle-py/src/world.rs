@@ -167,7 +167,7 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 /// Examples
 /// --------
 /// >>> import jostle
-/// >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+/// >>> world = jostle.World([(0, 0), (3, 0)], 1.0, velocities=[(1, 0), (0, 0)])
 /// >>> world.step(0.1, steps=20)  # the left disc hits the right one after a second
 /// >>> world.velocities
 /// array([[0., 0.],
@@ -176,7 +176,7 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 /// A disc that slides on a floor with friction begins to roll, at two thirds of its speed:
 ///
 /// >>> world = jostle.World(
-/// ...     [(0, 9)], [(3, 0)], radii=1.0, gravity=(0, 9.8), restitution=0.5, friction=0.4,
+/// ...     [(0, 9)], 1.0, velocities=[(3, 0)], gravity=(0, 9.8), restitution=0.5, friction=0.4,
 /// ...     container=jostle.Box(-99, -50, 99, 10),
 /// ... )
 /// >>> world.step(1 / 60, steps=120)

@@ -192,7 +192,7 @@ impl Container {
                 if size.iter().all(|&s| s > 0.0 && s <= FARTHEST) {
                     return Ok(());
                 }
-                let value = format!("Torus({}, {})", size[0], size[1]);
+                let value = format!("({}, {})", size[0], size[1]);
                 Err(Error::of("container", value, "its sides must be finite and above 0"))
             }
         }
@@ -211,7 +211,7 @@ impl Container {
             // So two particles touch across at most one periodic boundary on each axis.
             Self::Torus { .. } => (
                 self.period().shortest() / 4.0,
-                "on a torus it may be at most a quarter of the shorter side",
+                "it may be at most a quarter of the shorter side of the period",
             ),
         };
         match radii.iter().position(|&r| r > largest) {

@@ -95,8 +95,8 @@ class Emitters:
         smallest, largest = mine["radii"].T
         world.add(
             places + velocities * age + gravity * age**2 / 2,
-            velocities + gravity * age,
             smallest + (largest - smallest) * size,
+            velocities=velocities + gravity * age,
             densities=mine["density"],
             friction=friction,
         )

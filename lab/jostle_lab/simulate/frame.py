@@ -210,7 +210,7 @@ def frame_of(
         born=columns.born,
         container=world.container,
         stats=_stats(world),
-        energies=Energies(world.kinetic_energy, world.potential_energy, world.momentum)
+        energies=Energies(world.kinetic_energy(), world.potential_energy(), world.momentum())
         if request.energies
         else None,
         tree=world.quadtree().nodes() if request.tree else None,
@@ -243,7 +243,7 @@ def _stats(world: jostle.World) -> StepStats:
         substeps=stats.substeps,
         nodes=stats.nodes,
         depth=stats.depth,
-        kinetic_energy=world.kinetic_energy,
+        kinetic_energy=world.kinetic_energy(),
         stage_times=dict(world.profile),
     )
 

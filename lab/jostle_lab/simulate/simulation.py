@@ -259,8 +259,8 @@ class Simulation:
             kinds = (len(self.world) + np.arange(len(places))) % count
         tags = self.world.add(
             places,
-            np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
             radii,
+            velocities=np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
             densities=densities,
             movable=np.asarray(movable),
             sensors=np.asarray(sensors),

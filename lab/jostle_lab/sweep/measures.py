@@ -42,7 +42,7 @@ class _Mean:
 
 def _energy(world: jostle.World) -> float:
     """Mean kinetic energy of a movable particle."""
-    return world.kinetic_energy / max(int(world.movable.sum()), 1)
+    return world.kinetic_energy() / max(int(world.movable.sum()), 1)
 
 
 def _height(world: jostle.World) -> float:

@@ -85,7 +85,7 @@ def _refusal(name: str, value: float) -> str | None:
     if name == "n":
         return check("n", value, RULES["n"])
     try:
-        apply(jostle.World([(0, 0)], [(1, 1)], 1), name, value)
+        apply(jostle.World([(0, 0)], 1, velocities=[(1, 1)]), name, value)
     except (ValueError, OverflowError) as error:
         return str(error)
     return None

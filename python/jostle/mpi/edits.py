@@ -54,7 +54,7 @@ def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> No
         # Checked and completed by a world with as many particles.
         trial: Any = core._of_records(b"")
         zeros = np.zeros((len(own), 2))
-        trial.add(zeros, zeros, _SMALL, masses=1.0)
+        trial.add(zeros, _SMALL, masses=1.0)
         trial.set(np.arange(len(own)), **columns)
         new = trial.read(np.arange(len(own)))
     if len(set(comm.allgather(tuple(given)))) > 1:

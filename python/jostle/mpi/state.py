@@ -55,11 +55,11 @@ def potential_energy(comm: MPI.Intracomm, core: Any, messages: Any) -> float:
     return energy + exact_sum(comm, np.array([copy._own_energy_of_pairs()]))
 
 
-def momentum(comm: MPI.Intracomm, core: Any) -> tuple[float, float]:
+def momentum(comm: MPI.Intracomm, core: Any) -> NDArray[np.float64]:
     """The sum of mass times velocity of the movable particles of all ranks."""
     rows = _movable(records_of(core))
     x, y = rows["masses"].astype(np.float64) * rows["velocities"].astype(np.float64).T
-    return exact_sum(comm, x), exact_sum(comm, y)
+    return np.array([exact_sum(comm, x), exact_sum(comm, y)])
 
 
 def state_hash(comm: MPI.Intracomm, core: Any) -> int:

@@ -28,7 +28,7 @@ _SMOOTHING = 0.1
 
 #: Settings that must be the same on all ranks.
 _SETTINGS = (
-    *("gravity", "drag", "restitution", "container", "container_restitution", "walls"),
+    *("gravity", "drag", "container", "period", "walls"),
     *("wall_velocities", "wall_restitution", "wall_friction", "forces", "on_touch", "substeps"),
     *("sleeping", "track_events"),
 )
@@ -58,7 +58,7 @@ class World:
     comm : mpi4py.MPI.Intracomm
         The ranks. All worlds of a communicator share one duplicate of it, which is freed with it,
         so they are used from one thread at a time, and not after the communicator is freed.
-    positions, velocities : array_like, shape (n, 2)
+    positions : array_like, shape (n, 2)
         Those of this rank's share, at any positions; n may be 0. The ids count the particles of
         rank 0 first, then those of rank 1, and so on.
     radii : array_like, a number or shape (n,)
@@ -98,7 +98,7 @@ class World:
     --------
     >>> from mpi4py import MPI
     >>> import jostle.mpi
-    >>> world = jostle.mpi.World(MPI.COMM_SELF, [(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+    >>> world = jostle.mpi.World(MPI.COMM_SELF, [(0, 0), (3, 0)], 1.0, velocities=[(1, 0), (0, 0)])
     >>> world.step(0.1, steps=20)
     >>> world.velocities
     array([[0., 0.],
@@ -112,15 +112,14 @@ class World:
         self,
         comm: MPI.Intracomm,
         positions: ArrayLike,
-        velocities: ArrayLike,
         radii: ArrayLike,
         *,
         threads: int | None = 1,
         **options: Any,
     ) -> None:
         def part(*_: int) -> Any:
-            places, speeds = map(edits.rows_of, (positions, velocities))
-            return jostle.World(places, speeds, radii, threads=threads, **options)
+            places = edits.rows_of(positions)
+            return jostle.World(places, radii, threads=threads, **options)
 
         self._begin(comm)
         self._distribute(part)
@@ -255,18 +254,17 @@ class World:
         self,
         /,
         positions: ArrayLike,
-        velocities: ArrayLike,
-        radii: ArrayLike | None = None,
+        radii: ArrayLike,
         **columns: Any,
     ) -> NDArray[np.int64]:
         """Add particles.
 
         Parameters
         ----------
-        positions, velocities : array_like, shape (k, 2)
+        positions : array_like, shape (k, 2)
             Those that this rank adds, at any positions; k may be 0.
-        radii : array_like, a number or shape (k,), optional
-            Required if no number was given for all particles.
+        radii : array_like, a number or shape (k,)
+            In units of length.
         **columns
             The other arguments of `jostle.World.add`.
 
@@ -287,8 +285,8 @@ class World:
         remove : Remove particles.
         set : Change particles.
         """
-        pairs = map(edits.rows_of, (positions, velocities))
-        return edits.add(self._comm, self._core, *pairs, radii=radii, **columns)
+        places = edits.rows_of(positions)
+        return edits.add(self._comm, self._core, places, radii, **columns)
 
     @collective
     def remove(self, ids: ArrayLike) -> None:
@@ -400,7 +398,7 @@ class World:
     velocities = Column("Velocities: ndarray of float32, shape (n, 2), in the order of `ids`.")
     radii = Column("Radii: ndarray of float32, shape (n,), in the order of `ids`.")
     masses = Column("Masses: ndarray of float32, shape (n,), in the order of `ids`.")
-    restitutions = Column(
+    restitution = Column(
         "Coefficients of restitution: ndarray of float32, shape (n,), in the order of `ids`."
     )
     movable = Column(
@@ -455,13 +453,12 @@ class World:
         counts = dict(zip(names, self._own()[2], strict=True))
         return {**counts, "seconds": self._messages.seconds}
 
-    gravity = Setting[tuple[float, float]]("Acceleration of gravity, (x, y).")
+    gravity = Setting[NDArray[np.float64]]("Acceleration of gravity: ndarray, shape (2,).")
     drag = Setting[float]("Linear damping per second, see `jostle.World.drag`.")
-    restitution = Setting[float]("Coefficient of restitution of all contacts.")
-    container = Setting[jostle.Box | jostle.Circle | jostle.Torus | None](
+    container = Setting[jostle.Box | jostle.Circle | None](
         "The region of the particles, see `jostle.World.container`."
     )
-    container_restitution = Setting[Any]("See `jostle.World.container_restitution`.")
+    period = Setting[Any]("Width and height of a periodic plane, see `jostle.World.period`.")
     walls = Setting[NDArray[np.float32]](
         "Line segments: ndarray of float32, shape (m, 2, 2), see `jostle.World.walls`."
     )
@@ -505,7 +502,6 @@ class World:
         """Milliseconds of each stage of the last step on this rank, see `jostle.World.profile`."""
         return dict(self._core.profile)
 
-    @property
     @collective
     def kinetic_energy(self) -> float:
         """Sum of ½ m v² + ½ I ω² of the movable particles of all ranks, with I = m r²/2.
@@ -515,7 +511,6 @@ class World:
         """
         return state.kinetic_energy(self._comm, self._core)
 
-    @property
     @collective
     def potential_energy(self) -> float:
         """Energy of the movable particles of all ranks in gravity and forces between kinds.
@@ -525,10 +520,9 @@ class World:
         """
         return state.potential_energy(self._comm, self._core, self._messages)
 
-    @property
     @collective
-    def momentum(self) -> tuple[float, float]:
-        """Sum of mass times velocity of all movable particles, (x, y), rounded once."""
+    def momentum(self) -> NDArray[np.float64]:
+        """Sum of mass times velocity of all movable particles, rounded once."""
         return state.momentum(self._comm, self._core)
 
     @property

@@ -33,7 +33,7 @@ class WorldContacts(Result):
 
     Examples
     --------
-    >>> world = jostle.World([(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+    >>> world = jostle.World([(0, 0), (3, 0)], 1.0, velocities=[(1, 0), (0, 0)])
     >>> world.step(2.0)  # the left disc stops and the right one takes its velocity
     >>> world.contacts.pairs, world.contacts.normal_impulses
     (array([[0, 1]]), array([1.], dtype=float32))
@@ -81,9 +81,7 @@ class WallContacts(Result):
     A disc of mass 1 that lies on the floor, y = 0:
 
     >>> box = jostle.Box(-9, 0, 9, 9)
-    >>> world = jostle.World(
-    ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
-    ... )
+    >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
     >>> world.step(0.01)
     >>> float((world.wall_contacts.normal_impulses / 0.01).round(3)[0])  # the mean force
     10.0
@@ -192,7 +190,7 @@ class Particles(Result):
     ----------
     positions, velocities : ndarray of float32, shape (k, 2)
         Centres in units of length, and velocities in units of length per second.
-    radii, masses, restitutions : ndarray of float32, shape (k,)
+    radii, masses, restitution : ndarray of float32, shape (k,)
         Radii in units of length, masses, and coefficients of restitution.
     movable : ndarray of bool, shape (k,)
         Whether contacts and forces can change the velocity.
@@ -216,7 +214,7 @@ class Particles(Result):
         "velocities",
         "radii",
         "masses",
-        "restitutions",
+        "restitution",
         "movable",
         "friction",
         "angles",
@@ -231,7 +229,7 @@ class Particles(Result):
     velocities: NDArray[np.float32]
     radii: NDArray[np.float32]
     masses: NDArray[np.float32]
-    restitutions: NDArray[np.float32]
+    restitution: NDArray[np.float32]
     movable: NDArray[np.bool_]
     friction: NDArray[np.float32]
     angles: NDArray[np.float32]
@@ -249,7 +247,7 @@ class Particle(Result):
     ----------
     positions, velocities : ndarray of float32, shape (2,)
         Centres in units of length, and velocities in units of length per second.
-    radii, masses, restitutions : float
+    radii, masses, restitution : float
         Radii in units of length, masses, and coefficients of restitution.
     movable : bool
         Whether contacts and forces can change the velocity.
@@ -274,7 +272,7 @@ class Particle(Result):
     velocities: NDArray[np.float32]
     radii: float
     masses: float
-    restitutions: float
+    restitution: float
     movable: bool
     friction: float
     angles: float

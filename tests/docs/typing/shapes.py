@@ -32,8 +32,8 @@ def apart(single: NDArray[np.float32], given: dict[str, Any]) -> None:
 
 
 def worlds(points: list[tuple[float, float]], given: Any) -> None:
-    world = World(points, np.zeros((3, 2)), 1.0, gravity=(0, 9.8), container=jostle.Box(0, 0, 9, 9))
-    assert_type(World(given, given, given, forces=[jostle.Gravitation(1.0)]), World)
+    world = World(points, 1.0, gravity=(0, 9.8), container=jostle.Box(0, 0, 9, 9))
+    assert_type(World(given, given, velocities=given, forces=[jostle.Gravitation(1.0)]), World)
     assert_type(world.positions, NDArray[np.float32])
     assert_type(world.movable, NDArray[np.bool_])
     world.velocities = np.zeros((3, 2))

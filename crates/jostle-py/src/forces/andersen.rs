@@ -51,7 +51,7 @@ use crate::arrays::Given;
 /// >>> world = jostle.scenes.create("gas", n=1000)
 /// >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
 /// >>> world.step(1 / 60, steps=300)
-/// >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
+/// >>> abs(world.kinetic_energy() / 1000 - 2.0) < 0.3
 /// True
 #[pyclass(module = "jostle", name = "AndersenThermostat", frozen, eq)]
 #[derive(PartialEq)]

@@ -45,7 +45,7 @@ use crate::error::value_error;
 /// --------
 /// >>> import jostle
 /// >>> pull = jostle.Attractor((0, 0), 4.0)
-/// >>> world = jostle.World([(3, 0)], [(0, 0)], radii=1.0, forces=[pull])
+/// >>> world = jostle.World([(3, 0)], 1.0, forces=[pull])
 /// >>> world.step(0.0078539816, steps=200)  # half a period, π/2 seconds
 /// >>> world.positions.round(3)
 /// array([[-3.,  0.]], dtype=float32)

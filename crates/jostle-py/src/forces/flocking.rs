@@ -54,7 +54,7 @@ use crate::arrays::Given;
 /// --------
 /// >>> import jostle
 /// >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
-/// >>> world = jostle.World([(0, 0), (0, 2)], [(1, 0), (3, 0)], 0.1, forces=[birds])
+/// >>> world = jostle.World([(0, 0), (0, 2)], 0.1, velocities=[(1, 0), (3, 0)], forces=[birds])
 /// >>> world.step(0.1, steps=100)
 /// >>> world.velocities.round(3)
 /// array([[2., 0.],

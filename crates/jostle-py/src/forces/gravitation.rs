@@ -45,9 +45,11 @@ use crate::arrays::Given;
 /// --------
 /// >>> import jostle
 /// >>> pull = jostle.Gravitation(1.0)
-/// >>> world = jostle.World([(-2, 0), (2, 0)], [(0, -.25), (0, .25)], .1, masses=1.0, forces=[pull])
+/// >>> world = jostle.World(
+/// ...     [(-2, 0), (2, 0)], .1, velocities=[(0, -.25), (0, .25)], masses=1.0, forces=[pull]
+/// ... )
 /// >>> world.step(0.1, steps=100)
-/// >>> [abs(round(p, 5)) for p in world.momentum]
+/// >>> [abs(round(p, 5)) for p in world.momentum()]
 /// [0.0, 0.0]
 #[pyclass(module = "jostle", name = "Gravitation", frozen, eq)]
 #[derive(PartialEq)]

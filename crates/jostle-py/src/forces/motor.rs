@@ -55,7 +55,7 @@ use crate::error::refused;
 /// A paddle of four discs that rotates twice per second:
 ///
 /// >>> import jostle, math
-/// >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], [(0, 0)] * 4, 0.5, movable=False)
+/// >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], 0.5, movable=False)
 /// >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
 /// >>> world.step(1 / 80, steps=10)
 /// >>> world.positions[3].round(4).tolist()
@@ -63,7 +63,7 @@ use crate::error::refused;
 ///
 /// A piston that moves to the right for two seconds, then back:
 ///
-/// >>> world = jostle.World([(5, 5)], [(0, 0)], 1.0, walls=[((1, 0), (1, 10))])
+/// >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
 /// >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
 /// >>> world.step(1 / 60, steps=120)
 /// >>> world.walls[0].round(4).tolist()

@@ -66,7 +66,7 @@ use crate::error::refused;
 /// >>> import jostle
 /// >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
 /// >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
-/// >>> world = jostle.World([(0, 0), (2, 0)], [(0, 0)] * 2, 0.1, masses=1.0, forces=[force])
+/// >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, forces=[force])
 /// >>> world.step(0.1, steps=10)
 /// >>> world.velocities.round(3)
 /// array([[1., 0.],
@@ -205,8 +205,8 @@ impl PyPairForce {
     /// >>> import jostle
     /// >>> force = jostle.PairForce.lennard_jones([0, 0], epsilon=1.0, sigma=1.0, cutoff=2.5)
     /// >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
-    /// >>> world = jostle.World(apart, [(0, 0)] * 2, 0.1, on_touch="ignore", forces=[force])
-    /// >>> round(world.potential_energy, 3)
+    /// >>> world = jostle.World(apart, 0.1, on_touch="ignore", forces=[force])
+    /// >>> round(world.potential_energy(), 3)
     /// -0.984
     #[staticmethod]
     fn lennard_jones(
@@ -254,8 +254,8 @@ impl PyPairForce {
     /// --------
     /// >>> import jostle
     /// >>> force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0)
-    /// >>> world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, 1, on_touch="ignore", forces=[force])
-    /// >>> world.potential_energy
+    /// >>> world = jostle.World([(0, 0), (1, 0)], 1, on_touch="ignore", forces=[force])
+    /// >>> world.potential_energy()
     /// 50.0
     #[staticmethod]
     #[pyo3(

@@ -49,7 +49,7 @@ use crate::error::refused;
 /// --------
 /// >>> import jostle
 /// >>> tie = jostle.Springs([(0, 1)], lengths=2.0, stiffness=40.0, damping=4.0)
-/// >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=0.5, masses=1.0, forces=[tie])
+/// >>> world = jostle.World([(0, 0), (3, 0)], 0.5, masses=1.0, forces=[tie])
 /// >>> world.step(0.01, steps=500)
 /// >>> world.positions.round(3)
 /// array([[0.5, 0. ],

@@ -36,7 +36,7 @@ use super::{real, valid};
 /// >>> import jostle
 /// >>> warm = jostle.Thermostat(speed=3.0, rate=0.5)
 /// >>> box = jostle.Box(0, 0, 10, 10)
-/// >>> world = jostle.World([(5, 5)], [(1, 0)], radii=1.0, container=box, forces=[warm])
+/// >>> world = jostle.World([(5, 5)], 1.0, velocities=[(1, 0)], container=box, forces=[warm])
 /// >>> world.step(0.1, steps=60)  # it bounces off the right wall after four seconds
 /// >>> world.velocities
 /// array([[-2.,  0.]], dtype=float32)

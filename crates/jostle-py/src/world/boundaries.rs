@@ -108,7 +108,8 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World(
-    /// ...     [(0, 2)], [(0, -4)], radii=1.0, walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)])
+    /// ...     [(0, 2)], 1.0, velocities=[(0, -4)],
+    /// ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
     /// ... )
     /// >>> world.step(0.5)
     /// >>> world.positions, world.wall_contacts.walls  # 4 + the index of the wall
@@ -148,9 +149,7 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> piston = [((0, -2), (0, 2))]
-    /// >>> world = jostle.World(
-    /// ...     [(4, 0)], [(0, 0)], radii=1.0, walls=piston, wall_velocities=(2, 0)
-    /// ... )
+    /// >>> world = jostle.World([(4, 0)], 1.0, walls=piston, wall_velocities=(2, 0))
     /// >>> world.step(0.5, steps=4)  # they touch after 1.5 seconds
     /// >>> world.velocities, world.walls[:, 0]
     /// (array([[4., 0.]], dtype=float32), array([[ 4., -2.]], dtype=float32))

@@ -85,7 +85,7 @@ columns! {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (3, 0)], 1.0)
     /// >>> world.friction = 0.5
     /// >>> world.set(1, friction=0.8)
     /// >>> world.friction
@@ -105,7 +105,7 @@ columns! {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0, angular_velocities=0.5)
+    /// >>> world = jostle.World([(0, 0)], 1.0, angular_velocities=0.5)
     /// >>> world.step(0.25, steps=8)
     /// >>> world.angles
     /// array([1.], dtype=float32)
@@ -142,7 +142,7 @@ columns! {
     ///
     /// >>> import jostle
     /// >>> GHOST = 2
-    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0), (0, 0), (0, 0)])
     /// >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
     /// >>> world.step(0.1, steps=90)
     /// >>> world.velocities[:, 0]
@@ -180,8 +180,8 @@ columns! {
     /// A fast disc passes through a sensor within one step:
     ///
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0)], [(900, 0)], radii=1.0, track_events=True)
-    /// >>> goal = world.add((5, 0), (0, 0), radii=2.0, movable=False, sensors=True)
+    /// >>> world = jostle.World([(0, 0)], 1.0, velocities=[(900, 0)], track_events=True)
+    /// >>> goal = world.add((5, 0), 2.0, movable=False, sensors=True)
     /// >>> world.step(1 / 60)
     /// >>> world.events.entered, world.events.exited
     /// (array([[0, 1]]), array([[0, 1]]))
@@ -224,8 +224,8 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World(
-    /// ...     [(0, 1), (5, 1)], [(0, 0), (2, 0)], radii=1.0, gravity=(0, -9.8), restitution=0.5,
-    /// ...     container=jostle.Box(-9, 0, 99, 9),
+    /// ...     [(0, 1), (5, 1)], 1.0, velocities=[(0, 0), (2, 0)], gravity=(0, -9.8),
+    /// ...     restitution=0.5, container=jostle.Box(-9, 0, 99, 9),
     /// ... )
     /// >>> world.step(1 / 60, steps=60)
     /// >>> world.asleep

@@ -47,7 +47,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0)], [(0, 0)], radii=1.0)
+    /// >>> world = jostle.World([(0, 0)], 1.0)
     /// >>> world.add([(5, 0), (9, 0)], 0.5)
     /// array([1, 2])
     /// >>> world.add((0, 5), 2.0, velocities=(1, 0))
@@ -107,7 +107,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
     /// >>> world.remove(1)
     /// >>> world.positions
     /// array([[0., 0.],
@@ -156,9 +156,9 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (5, 0)], 1.0)
     /// >>> world.set([1], velocities=[(2, 0)], masses=3.0)
-    /// >>> world.momentum
+    /// >>> world.momentum()
     /// (6.0, 0.0)
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(
@@ -214,7 +214,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (2, 1)], radii=[1.0, 0.5])
+    /// >>> world = jostle.World([(0, 0), (5, 0)], [1.0, 0.5], velocities=[(0, 0), (2, 1)])
     /// >>> world.read(1).velocities, world.read(1).masses
     /// (array([2., 1.], dtype=float32), 0.25)
     /// >>> world.read([1, 0]).radii

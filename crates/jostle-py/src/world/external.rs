@@ -38,7 +38,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
+    /// >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
     /// >>> world.force(1, (0, 6))
     /// >>> world.step(0.5, steps=2)
     /// >>> world.velocities.tolist()
@@ -76,7 +76,7 @@ impl PyWorld {
     /// A force towards the x axis:
     ///
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
+    /// >>> world = jostle.World([(0, 1)], 0.1)
     /// >>> for _ in range(157):  # half a period: π / 0.02 steps
     /// ...     world.accelerations = -world.positions * (0, 1)
     /// ...     world.step(0.02)

@@ -24,9 +24,9 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
     /// >>> world.remove(0)
-    /// >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
+    /// >>> world.add([(2, 2)], 1.0)
     /// array([3])
     /// >>> world.ids
     /// array([1, 2, 3])
@@ -62,7 +62,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
     /// >>> world.remove(0)
     /// >>> world.positions[world.rows(2)]
     /// array([9., 0.], dtype=float32)
@@ -92,9 +92,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World(
-    /// ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
-    /// ... )
+    /// >>> world = jostle.World([(0, 0), (5, 0), (1, 0), (9, 0)], 1.0, on_touch="merge")
     /// >>> world.step(0.1)
     /// >>> world.ids
     /// array([0, 1, 3])

@@ -30,7 +30,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+    /// >>> world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
     /// >>> before = world.snapshot()
     /// >>> world.step(0.5, steps=4)
     /// >>> world.time, jostle.World.restore(before).time
@@ -105,7 +105,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle, json
-    /// >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+    /// >>> world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
     /// >>> world.attachment = json.dumps({"zoom": 2.5})
     /// >>> json.loads(jostle.World.restore(world.snapshot()).attachment)
     /// {'zoom': 2.5}

@@ -1,8 +1,10 @@
 //! Queries, sums and the hash of the state.
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use super::PyWorld;
+use crate::arrays::{Given, column, point};
 use crate::error::refused;
 use crate::interrupt::detached;
 use crate::quadtree::PyQuadtree;
@@ -33,7 +35,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], [(1, 0)] * 3, radii=1.0)
+    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0)] * 3)
     /// >>> world.step(1.0)
     /// >>> tree = world.quadtree()
     /// >>> tree.nearest((6.0, 0.0)).ids
@@ -45,23 +47,87 @@ impl PyWorld {
         Ok(PyQuadtree::of(tree.map_err(refused)?))
     }
 
-    /// Sum of mass times velocity, (x, y).
-    #[getter]
-    fn momentum(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
-        Ok(self.long(py, |state| state.world.momentum())?.into())
+    /// Return the sum of mass times velocity of the movable particles.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (2,)
+    ///     In units of mass times length per second.
+    ///
+    /// See Also
+    /// --------
+    /// angular_momentum : Of the motion around a point.
+    fn momentum<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        Ok(column(py, self.long(py, |state| state.world.momentum())?.to_vec()))
     }
 
-    /// Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
+    /// Return the sum of m (r - a) × v + I ω of the movable particles, with the moment of inertia
+    /// I = m r²/2.
+    ///
+    /// Parameters
+    /// ----------
+    /// about : array_like, shape (2,), default (0.0, 0.0)
+    ///     The point a.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     Positive for a rotation from +x to +y.
+    ///
+    /// See Also
+    /// --------
+    /// momentum : Of the motion along the axes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(3, 0)], 1.0, velocities=[(0, 2)], angular_velocities=4.0)
+    /// >>> world.angular_momentum(), world.angular_momentum(about=(3, 0))
+    /// (8.0, 2.0)
+    #[pyo3(signature = (about=Given::NOTHING), text_signature = "($self, about=(0.0, 0.0))")]
+    fn angular_momentum(&self, py: Python<'_>, about: Given<'_>) -> PyResult<f64> {
+        let about = about.value().map_or(Ok([0.0; 2]), |at| point("about", at))?;
+        self.long(py, |state| state.world.angular_momentum(about.map(f64::from)))
+    }
+
+    /// Return the temperature of the movable particles with k = 1: the sum of m (v - u)² over 2 (n - 1),
+    /// where u is their mean velocity, weighted by mass.
+    ///
+    /// Rotation is left out. In two dimensions a gas that is at rest as a whole has n - 1 times this
+    /// energy of translation.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     In units of mass times length squared per second squared; NaN for fewer than two
+    ///     particles.
+    ///
+    /// See Also
+    /// --------
+    /// kinetic_energy : With rotation and the motion as a whole.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (9, 0)], 1.0, velocities=[(5, 0), (7, 0)])
+    /// >>> world.temperature()
+    /// 1.0
+    fn temperature(&self, py: Python<'_>) -> PyResult<f64> {
+        self.long(py, |state| state.world.temperature())
+    }
+
+    /// Return the sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia
+    /// I = m r²/2.
     ///
     /// See Also
     /// --------
     /// potential_energy : The energy of gravity and forces.
-    #[getter]
+    /// total_energy : Both.
     fn kinetic_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.kinetic_energy())
     }
 
-    /// Energy of all movable particles in the fields of gravity (0 at the origin) and of
+    /// Return the energy of all movable particles in the fields of gravity (0 at the origin) and of
     /// attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
     /// springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
     /// Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
@@ -70,11 +136,16 @@ impl PyWorld {
     /// See Also
     /// --------
     /// kinetic_energy : The energy of motion.
-    #[getter]
+    /// total_energy : Both.
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         // After an interruption the result is not used.
         let energy = detached(py, || self.state.lock().map(|all| all.world.potential_energy()));
         energy??.map_err(refused)
+    }
+
+    /// Return the sum of `kinetic_energy` and `potential_energy`.
+    fn total_energy(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.kinetic_energy(py)? + self.potential_energy(py)?)
     }
 
     /// Return a 64-bit hash of all particles.
@@ -91,7 +162,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> worlds = [jostle.World([(0, 0)], [(1, 0)], radii=1.0) for _ in range(2)]
+    /// >>> worlds = [jostle.World([(0, 0)], 1.0, velocities=[(1, 0)]) for _ in range(2)]
     /// >>> worlds[0].state_hash() == worlds[1].state_hash()
     /// True
     fn state_hash(&self, py: Python<'_>) -> PyResult<u64> {

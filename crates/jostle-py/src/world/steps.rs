@@ -49,7 +49,7 @@ impl PyWorld {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0)], [(8, 0)], radii=1.0)
+    /// >>> world = jostle.World([(0, 0)], 1.0, velocities=[(8, 0)])
     /// >>> world.step(0.25, steps=2)
     /// >>> world.positions
     /// array([[4., 0.]], dtype=float32)

@@ -43,9 +43,7 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> box = jostle.Box(-9, 0, 9, 9)
-    /// >>> world = jostle.World(
-    /// ...     [(0, 1)], [(0, 0)], radii=1.0, gravity=(0, -10), restitution=0.5, container=box
-    /// ... )
+    /// >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
     /// >>> world.step(0.01)
     /// >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
     /// (array([2]), array([10.], dtype=float32))
@@ -86,7 +84,8 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World(
-    /// ...     [(0, 0), (3, 0), (8, 0)], [(1, 0), (0, 0), (0, 0)], radii=1.0, track_events=True
+    /// ...     [(0, 0), (3, 0), (8, 0)], 1.0, velocities=[(1, 0), (0, 0), (0, 0)],
+    /// ...     track_events=True,
     /// ... )
     /// >>> world.step(2.0)  # 0 hits 1, which flies on
     /// >>> world.events.entered, world.events.exited
@@ -116,7 +115,7 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> box = jostle.Box(-4, -1, 4, 1)
-    /// >>> world = jostle.World([(-3, 0), (0, 0)], [(1, 0), (0, 0)], radii=1.0, container=box)
+    /// >>> world = jostle.World([(-3, 0), (0, 0)], 1.0, velocities=[(1, 0), (0, 0)], container=box)
     /// >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
     /// >>> world.collisions
     /// WorldCollisions(pairs=3, walls=2)

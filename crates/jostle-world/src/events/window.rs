@@ -76,7 +76,7 @@ pub(super) fn end_for_the_fast(window: &TimeWindow<'_>, shortest: f64) -> Result
     // A step whose first velocities lead to more than `MAX_TOURS` was refused before it began. Only
     // forces within the step lead here, and they may make the tours up to twice as many.
     if tours(left) > 2.0 * MAX_TOURS {
-        let rule = "forces would make a particle circle the torus too often; take smaller steps";
+        let rule = "forces would make a particle travel too many periods; take smaller steps";
         return Err(Error::of("dt", format!("{left} s in a sub-step"), rule));
     }
     // A disc that circles a torus several times in a window would meet several images of each other

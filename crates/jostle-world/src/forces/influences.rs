@@ -313,7 +313,8 @@ impl Influences {
                 && let Some(cutoff) = force.partners().cutoff().filter(|&cutoff| cutoff > most)
             {
                 let value = format!("a force with the cutoff {cutoff}");
-                let rule = format!("on Torus({width}, {height}) a cutoff is at most {most}");
+                let rule =
+                    format!("with a period of ({width}, {height}) a cutoff is at most {most}");
                 return Err(Error::at("forces", index, value, &rule));
             }
         }

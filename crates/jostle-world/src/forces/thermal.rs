@@ -59,7 +59,9 @@ impl ThermalWalls {
             Container::Circle { .. } => {
                 (rest == [first; 3] || rest == [false; 3], "a Circle has one side, 0")
             }
-            Container::Torus { .. } => (!self.sides.contains(&true), "a Torus has no sides"),
+            Container::Torus { .. } => {
+                (!self.sides.contains(&true), "a periodic world has no sides")
+            }
             Container::None => {
                 (!self.sides.contains(&true), "a world without a container has no sides")
             }

@@ -127,7 +127,8 @@ impl Walls {
         match self.all.iter().position(circles) {
             None => Ok(()),
             Some(index) => {
-                let rule = format!("wall {index} would circle the torus; take smaller steps");
+                let rule =
+                    format!("wall {index} would travel more than the period; take smaller steps");
                 Err(Error::of("dt", dt, &rule))
             }
         }

@@ -39,7 +39,7 @@ pub fn check_torus(period: &Period<f64>, walls: &[Wall]) -> Result<()> {
         Some(index) => {
             let [[a, b], [c, d]] = walls[index].ends;
             let value = format!("(({a}, {b}), ({c}, {d}))");
-            let rule = "on a torus a wall may extend over each side once at most";
+            let rule = "in a periodic world a wall may extend over each side once at most";
             Err(Error::at("walls", index, value, rule))
         }
     }

@@ -52,7 +52,7 @@ pub(crate) fn check_displacements(world: &World, dt: f32) -> Result<()> {
         let most = FARTHEST;
         format!("particle {id} would move by {longest:e}, more than {most:e}")
     } else {
-        format!("particle {id} would circle the torus {tours} times; take smaller steps")
+        format!("particle {id} would travel {tours} times the period; take smaller steps")
     };
     Err(Error::of("dt", dt, &rule))
 }

@@ -24,6 +24,37 @@ impl World {
         all.fold([0.0; 2], |sum, own| [0, 1].map(|k| sum[k] + own[k]))
     }
 
+    /// Sum of m (r − about) × v + I ω of the movable particles, with the moment of inertia I = m r²/2.
+    pub fn angular_momentum(&self, about: [f64; 2]) -> f64 {
+        let all = &self.bodies.awake.particles;
+        let own = |at: usize| {
+            let arm = [0, 1].map(|k| f64::from(all.positions[at][k]) - about[k]);
+            let [u, v] = all.velocities[at].map(f64::from);
+            let (radius, turning) = (f64::from(all.radii[at]), f64::from(all.spin(at).velocity));
+            let moment = arm[0] * v - arm[1] * u + 0.5 * radius * radius * turning;
+            f64::from(all.masses[at]) * moment
+        };
+        movable_indices(all).map(own).sum()
+    }
+
+    /// Sum of m (v − u)² of the movable particles over 2 (n − 1), where u is their mean velocity; NaN for fewer
+    /// than two.
+    pub fn temperature(&self) -> f64 {
+        let all = &self.bodies.awake.particles;
+        let mass: f64 = movable_indices(all).map(|at| f64::from(all.masses[at])).sum();
+        let mean = self.momentum().map(|of| of / mass);
+        let energy = |at: usize| {
+            let [u, v] = [0, 1].map(|k| f64::from(all.velocities[at][k]) - mean[k]);
+            f64::from(all.masses[at]) * (u * u + v * v)
+        };
+        // Sleeping particles, which are all movable, do not move, apart from the mean.
+        let (awake, asleep) = (movable_indices(all).count(), self.bodies.asleep.len());
+        if awake + asleep < 2 {
+            return f64::NAN;
+        }
+        movable_indices(all).map(energy).sum::<f64>() / (2 * (awake + asleep - 1)) as f64
+    }
+
     /// Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
     pub fn kinetic_energy(&self) -> f64 {
         let Particles { masses, velocities, radii, .. } = &self.bodies.awake.particles;
