@@ -57,9 +57,9 @@ fn world(mut centers: Vec<[f32; 2]>, width: f32) -> World {
     let len = centers.len();
     let mut all = Particles::new(centers, vec![[0.0; 2]; len], vec![1.0; len], 1.0);
     all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.5);
+    all.restitution.fill(0.3);
     let settings = WorldSettings {
         gravity: [0.0, -9.8],
-        restitution: 0.3,
         container: Container::Box { min: [-0.5 * width, 0.0], max: [0.5 * width, 1e5] },
         tree: Settings { threads: Some(1), ..Settings::default() },
         ..WorldSettings::default()
@@ -82,7 +82,8 @@ fn measure(mut world: World, count: usize) {
     println!("  nothing awake: {:9.4} ns a sleeping disc and step", per_disc(seconds, count));
     let x = |at: usize| 3.0 * at as f32;
     let falling = (0..100).map(|at| [x(at), 9e4]).collect();
-    let falling = Particles::new(falling, vec![[0.0; 2]; 100], vec![1.0; 100], 1.0);
+    let mut falling = Particles::new(falling, vec![[0.0; 2]; 100], vec![1.0; 100], 1.0);
+    falling.restitution.fill(0.3);
     let rows = world.add(falling).expect("valid");
     let seconds = time(&mut world, 200) / 200.0;
     println!(

@@ -28,14 +28,11 @@ fn main() {
     let layout =
         if arguments.get(5).is_some_and(|name| name == "polygons") { polygons } else { scattered };
     for (name, gravity, restitution) in kinds.into_iter().filter(|kind| is_wanted(kind.0)) {
-        let mut settings = WorldSettings {
-            gravity: [0.0, gravity],
-            restitution,
-            sleeping: false,
-            ..WorldSettings::default()
-        };
+        let mut settings =
+            WorldSettings { gravity: [0.0, gravity], sleeping: false, ..WorldSettings::default() };
         settings.tree.threads = arguments.get(3).and_then(|text| text.parse().ok());
-        let mut both = [0, walls].map(|shown| crowd(discs, (layout, walls), shown, settings));
+        let mut both =
+            [0, walls].map(|shown| crowd((discs, restitution), (layout, walls), shown, settings));
         for world in &mut both {
             step(world, 30);
         }
@@ -104,7 +101,7 @@ fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
 /// that overlap no wall: one that began between crossing walls would bounce there very often. Without
 /// walls (`shown` is 0) there are the same discs.
 fn crowd(
-    discs: usize,
+    (discs, restitution): (usize, f32),
     (layout, walls): (Layout, usize),
     shown: usize,
     settings: WorldSettings,
@@ -115,7 +112,8 @@ fn crowd(
     let positions = free_places(&lines, discs, side, &mut random);
     let velocities =
         positions.iter().map(|_| [random.between(-20.0, 20.0), random.between(-20.0, 20.0)]);
-    let all = Particles::new(positions.clone(), velocities.collect(), vec![1.0; discs], 1.0);
+    let mut all = Particles::new(positions.clone(), velocities.collect(), vec![1.0; discs], 1.0);
+    all.restitution.fill(restitution);
     let container = Container::Box { min: [0.0; 2], max: [side; 2] };
     let mut world =
         World::new(all, WorldSettings { container, ..settings }).expect("the world is valid");

@@ -10,7 +10,7 @@ use jostle_scenes::{self as scenes, STEP};
 use jostle_separate::{Separation, separate};
 use jostle_world::{Changes, Particles, WorldSettings};
 
-use crate::common::worlds::{boxed, still, world_of};
+use crate::common::worlds::{bouncing, boxed, still, world_of};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };
@@ -150,10 +150,9 @@ fn a_step_allocates_nothing_after_some_steps() {
 #[test]
 fn a_step_near_sleepers_allocates_nothing() {
     let at = |k: u16| [f32::from(k) * 2.5, 1.0];
-    let discs = |positions: Vec<[f32; 2]>| still(&positions, 1.0);
+    let discs = |positions: Vec<[f32; 2]>| bouncing(still(&positions, 1.0), 0.3);
     let settings = WorldSettings {
         gravity: [0.0, -9.8],
-        restitution: 0.3,
         container: boxed([-50.0, 0.0], [500.0, 100.0]),
         tree: Settings { threads: Some(1), ..Settings::default() },
         ..WorldSettings::default()

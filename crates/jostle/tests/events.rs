@@ -6,7 +6,7 @@ use jostle_base::{Id, Method, Settings};
 use jostle_scenes::random::Random;
 use jostle_world::{Collisions, Container, OnTouch, Particles, TouchEvents, World, WorldSettings};
 
-use crate::common::worlds::{STEP, boxed, discs, still, world_of};
+use crate::common::worlds::{STEP, bouncing, boxed, discs, still, world_of};
 
 pub type Pairs = BTreeSet<[Id; 2]>;
 
@@ -40,9 +40,17 @@ fn crowd(count: usize, side: f32, seed: u64) -> Particles {
     all
 }
 
-fn settings(on_touch: OnTouch, container: Container, restitution: f32) -> WorldSettings {
-    let gravity = if restitution < 1.0 { [0.0, -9.8] } else { [0.0; 2] };
-    tracked(WorldSettings { on_touch, container, restitution, gravity, ..WorldSettings::default() })
+fn settings(on_touch: OnTouch, container: Container, gravity: [f32; 2]) -> WorldSettings {
+    tracked(WorldSettings { on_touch, container, gravity, ..WorldSettings::default() })
+}
+
+/// Coefficient of restitution of all discs of a world: those that fall lose energy.
+fn restitution(settings: &WorldSettings) -> f32 {
+    if settings.gravity == [0.0; 2] { 1.0 } else { 0.5 }
+}
+
+fn world_with(all: Particles, settings: WorldSettings) -> World {
+    world_of(bouncing(all, restitution(&settings)), settings)
 }
 
 fn all_settings(side: f32) -> Vec<WorldSettings> {
@@ -51,8 +59,8 @@ fn all_settings(side: f32) -> Vec<WorldSettings> {
     let mut all = Vec::new();
     for on_touch in [OnTouch::Bounce, OnTouch::Merge, OnTouch::Ignore] {
         for container in [square, torus] {
-            for restitution in [1.0, 0.5] {
-                all.push(settings(on_touch, container, restitution));
+            for gravity in [[0.0; 2], [0.0, -9.8]] {
+                all.push(settings(on_touch, container, gravity));
             }
         }
     }
@@ -139,7 +147,7 @@ fn follow(world: &mut World, before: &Pairs, steps: usize, seen: &mut Seen) -> P
     // Pairs that resting contacts press together may have a larger gap.
     let [near, surely] = touching_by_brute_force(world, 1.0 - 1e-9);
     assert!(surely.is_subset(&now), "missing {:?}", surely.difference(&now).collect::<Vec<_>>());
-    let rests = world.settings().restitution < 1.0 && bounces;
+    let rests = restitution(world.settings()) < 1.0 && bounces;
     assert!(rests || now.is_subset(&near));
     assert_eq!(stayed, before & &now);
     assert!(before.is_disjoint(&entered));
@@ -164,7 +172,7 @@ fn events_are_those_of_a_model() {
         let mut seen = Seen::default();
         for seed in 0..6 {
             let crowd_of = if seed < 3 { crowd } else { crowd_with_sensors };
-            let mut world = world_of(crowd_of(60, 12.0, seed), settings);
+            let mut world = world_with(crowd_of(60, 12.0, seed), settings);
             if seed % 2 == 1 {
                 let kind = |row: usize| 1 << (row % 3);
                 world
@@ -186,7 +194,8 @@ fn events_are_those_of_a_model() {
                 let ids = world.bodies().ids().unwrap();
                 let one = ids[random.between(0.0, ids.len() as f32) as usize];
                 world.remove(&[one]).expect("it exists");
-                world.add(crowd(1, 12.0, one as u64)).expect("it fits");
+                let new = bouncing(crowd(1, 12.0, one as u64), restitution(&settings));
+                world.add(new).expect("it fits");
                 let row = random.between(0.0, world.len() as f32 - 1.0) as u32;
                 world
                     .edit_rows(&[row], |all| {
@@ -201,7 +210,7 @@ fn events_are_those_of_a_model() {
         let least = if is_merging { 30 } else { 300 };
         assert!(entered > least && left > least, "{number}: {entered} {left}");
         let has_floor = settings.container.has_sides();
-        let rests = settings.restitution < 1.0 && has_floor;
+        let rests = restitution(&settings) < 1.0 && has_floor;
         let stays = rests || settings.on_touch == OnTouch::Ignore;
         assert!(!stays || is_merging || stayed > 100, "{number}: {stayed}");
         assert!(settings.on_touch != OnTouch::Bounce || both > 100, "{number}: {both}");
@@ -229,7 +238,7 @@ fn history(mut world: World, calls: usize) -> Vec<(TouchEvents, Collisions)> {
 fn events_depend_neither_on_threads_nor_on_the_method_nor_on_the_order_of_adding() {
     for settings in all_settings(30.0) {
         let all = crowd_with_sensors(400, 30.0, 5);
-        let world = |settings| world_of(all.clone(), settings);
+        let world = |settings| world_with(all.clone(), settings);
         let expected = history(world(settings), 8);
         let tree = |threads| Settings { threads: Some(threads), ..Settings::default() };
         for threads in [1, 2, 5] {
@@ -249,7 +258,7 @@ fn events_depend_neither_on_threads_nor_on_the_method_nor_on_the_order_of_adding
             pairs.sort_unstable();
             pairs
         };
-        for (of, expected) in history(world_of(reversed, settings), 8).iter().zip(&expected) {
+        for (of, expected) in history(world_with(reversed, settings), 8).iter().zip(&expected) {
             assert_eq!(of.1, expected.1);
             assert_eq!(renamed(&of.0.entered), expected.0.entered);
             assert_eq!(renamed(&of.0.stayed), expected.0.stayed);
@@ -262,7 +271,7 @@ fn events_depend_neither_on_threads_nor_on_the_method_nor_on_the_order_of_adding
 fn tracking_changes_no_bit() {
     for settings in all_settings(30.0) {
         let hash = |settings| {
-            let mut world = world_of(crowd(300, 30.0, 3), settings);
+            let mut world = world_with(crowd(300, 30.0, 3), settings);
             call(&mut world, 30);
             world.state_hash().unwrap()
         };
@@ -289,7 +298,6 @@ fn many_threads_count_as_one() {
 fn pile(track_events: bool) -> World {
     let settings = WorldSettings {
         gravity: [0.0, -9.8],
-        restitution: 0.3,
         container: boxed([0.0; 2], [20.0, 40.0]),
         track_events,
         ..WorldSettings::default()
@@ -299,8 +307,7 @@ fn pile(track_events: bool) -> World {
         let (x, y) = (3.0 + 4.0 * (k % 4) as f32, 1.0 + 2.0 * (k / 4) as f32);
         positions.push([x, y]);
     }
-    let all = still(&positions, 1.0);
-    world_of(all, settings)
+    world_of(bouncing(still(&positions, 1.0), 0.3), settings)
 }
 
 #[test]
@@ -376,7 +383,7 @@ fn an_undone_step_leaves_no_events_and_no_collisions() {
 #[test]
 fn a_snapshot_contains_the_record() {
     for settings in all_settings(30.0) {
-        let mut world = world_of(crowd(200, 30.0, 2), settings);
+        let mut world = world_with(crowd(200, 30.0, 2), settings);
         call(&mut world, 4);
         let mut copy = World::restore(&world.snapshot().unwrap()).expect("it was saved");
         assert_eq!(events(&copy), events(&world));
@@ -484,7 +491,7 @@ fn discs_that_pass_through_each_other_in_a_step_touch() {
 fn sensors_change_no_motion() {
     // The lengths of windows and parts of a step follow from all particles, so bits may differ.
     let container = boxed([0.0; 2], [30.0; 2]);
-    let settings = settings(OnTouch::Bounce, container, 1.0);
+    let settings = settings(OnTouch::Bounce, container, [0.0; 2]);
     let alone = crowd(40, 30.0, 4);
     let mut both = alone.clone();
     let mut sensors = crowd(40, 30.0, 5);

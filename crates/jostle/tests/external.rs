@@ -4,7 +4,7 @@ use jostle_base::Method;
 use jostle_scenes::random::Random;
 use jostle_world::{OnTouch, Particles, World, WorldSettings};
 
-use crate::common::worlds::{boxed, run, still, world_of};
+use crate::common::worlds::{bouncing, boxed, run, still, world_of};
 
 fn discs(positions: &[[f32; 2]]) -> Particles {
     still(positions, 0.5)
@@ -52,13 +52,12 @@ fn crowd(order: &[usize], method: Method, threads: usize) -> World {
     let mut settings = WorldSettings {
         container: boxed([0.0; 2], [20.0; 2]),
         gravity: [0.0, -9.8],
-        restitution: 0.5,
         method,
         ..WorldSettings::default()
     };
     settings.tree.threads = Some(threads);
     let positions: Vec<[f32; 2]> = order.iter().map(|&k| positions[k]).collect();
-    world_of(discs(&positions), settings)
+    world_of(bouncing(discs(&positions), 0.5), settings)
 }
 
 /// Steps with a field that depends on place and velocity.
@@ -116,10 +115,9 @@ fn pushed_particles_do_not_sleep_and_others_do() {
     let settings = WorldSettings {
         container: boxed([0.0; 2], [20.0; 2]),
         gravity: [0.0, -9.8],
-        restitution: 0.3,
         ..WorldSettings::default()
     };
-    let mut world = world_of(discs(&[[2.0, 0.5], [9.0, 0.5]]), settings);
+    let mut world = world_of(bouncing(discs(&[[2.0, 0.5], [9.0, 0.5]]), 0.3), settings);
     for _ in 0..120 {
         // It presses the disc against the floor.
         world.add_forces(&[0], &[[0.0, -1.0]]).unwrap();

@@ -6,7 +6,9 @@ use jostle_index::{Filter, pairs};
 use jostle_scenes::random::Random;
 use jostle_world::{Container, OnTouch, Particles, Touch, Wall, World, WorldSettings};
 
-use crate::common::worlds::{boxed, discs, gathered, run, shuffled, still, walled, world_of};
+use crate::common::worlds::{
+    bouncing, boxed, discs, gathered, run, shuffled, still, walled, world_of,
+};
 
 const ROCK: Filter = Filter { category: 1, mask: 1 };
 const GHOST: Filter = Filter { category: 2, mask: 2 };
@@ -128,10 +130,10 @@ fn a_pile_does_not_feel_its_copy() {
     // which contacts are solved.
     // On a torus, where discs fall forever, a step is divided into more parts in a dense world.
     for &container in &containers(10.0)[..3] {
-        let mut all = crowd(90, 10.0, 2.0, 3);
+        let mut all = bouncing(crowd(90, 10.0, 2.0, 3), 0.4);
         all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.5);
-        let base = WorldSettings { container, restitution: 0.4, ..WorldSettings::default() };
-        let settings = WorldSettings { gravity: [0.5, 9.0], ..base };
+        let gravity = [0.5, 9.0];
+        let settings = WorldSettings { gravity, container, ..WorldSettings::default() };
         let found = compare([all.clone(), all], settings, "a pile");
         assert!(found.iter().all(|&count| count > 200), "{found:?}");
     }
@@ -152,13 +154,8 @@ fn mixed(count: usize, side: f32, seed: u64) -> Particles {
 #[test]
 fn only_pairs_that_may_touch_do() {
     for container in containers(20.0) {
-        let settings = WorldSettings {
-            gravity: [0.0, 5.0],
-            restitution: 0.5,
-            container,
-            ..Default::default()
-        };
-        let mut world = world_of(mixed(300, 20.0, 3), settings);
+        let settings = WorldSettings { gravity: [0.0, 5.0], container, ..Default::default() };
+        let mut world = world_of(bouncing(mixed(300, 20.0, 3), 0.5), settings);
         let mut found = 0;
         for _ in 0..100 {
             run(&mut world, 1);
@@ -223,8 +220,8 @@ fn filters_do_not_show_how_pairs_are_found() {
         for container in containers(20.0) {
             let tree = Settings { threads: Some(1), ..Settings::default() };
             let base = WorldSettings { container, on_touch, tree, ..Default::default() };
-            let settings = WorldSettings { gravity: [0.0, 5.0], restitution: 0.5, ..base };
-            let all = mixed(300, 20.0, 4);
+            let settings = WorldSettings { gravity: [0.0, 5.0], ..base };
+            let all = bouncing(mixed(300, 20.0, 4), 0.5);
             let mut expected = world_of(all.clone(), settings);
             run(&mut expected, 60);
             let brute = WorldSettings { method: Method::Brute, ..settings };
@@ -266,14 +263,8 @@ fn threads_do_not_show_in_filters() {
     let hashes = [1, 2, 8].map(|threads| {
         let tree = Settings { threads: Some(threads), ..Settings::default() };
         let container = boxed([0.0; 2], [160.0; 2]);
-        let settings = WorldSettings {
-            gravity: [0.0, 9.0],
-            restitution: 0.5,
-            container,
-            tree,
-            ..Default::default()
-        };
-        let mut world = world_of(mixed(30_000, 160.0, 6), settings);
+        let settings = WorldSettings { gravity: [0.0, 9.0], container, tree, ..Default::default() };
+        let mut world = world_of(bouncing(mixed(30_000, 160.0, 6), 0.5), settings);
         run(&mut world, 3);
         (world.state_hash().unwrap(), world.contacts().unwrap())
     });
@@ -322,12 +313,11 @@ fn without_filters_nothing_is_stored() {
 /// Discs on a floor: rocks at the same places as ghosts.
 fn resting() -> World {
     let rows = [-2.0, 0.0, 2.0].map(|x| [x, 1.0]);
-    let discs = still(&rows, 1.0);
+    let discs = bouncing(still(&rows, 1.0), 0.3);
     let mut all = of_kind(discs.clone(), ROCK);
     all.extend(&of_kind(discs, GHOST));
     let container = boxed([-20.0, 0.0], [20.0, 50.0]);
-    let settings =
-        WorldSettings { gravity: [0.0, -9.8], restitution: 0.3, container, ..Default::default() };
+    let settings = WorldSettings { gravity: [0.0, -9.8], container, ..Default::default() };
     let mut world = world_of(all, settings);
     run(&mut world, 90);
     assert_eq!(world.bodies().asleep().unwrap(), [true; 6]);
@@ -337,7 +327,7 @@ fn resting() -> World {
 #[test]
 fn sleeping_particles_wake_only_for_what_they_may_touch() {
     let mut world = resting();
-    let mut ball = discs(&[([-10.0, 1.0], [6.0, 0.0])], 1.0);
+    let mut ball = bouncing(discs(&[([-10.0, 1.0], [6.0, 0.0])], 1.0), 0.3);
     ball.filters = vec![GHOST];
     world.add(ball.clone()).unwrap();
     let mut half = World::restore(&world.snapshot().unwrap()).unwrap();
@@ -366,7 +356,7 @@ fn sleeping_particles_wake_only_for_what_they_may_touch() {
     ball.positions = vec![[-8.0, 1.0]];
     ball.velocities = vec![[0.0; 2]];
     let mut shot = Particles::new(vec![[-19.0, 1.0]], vec![[500.0, 0.0]], vec![1.0], 20.0);
-    shot.filters = vec![ROCK];
+    (shot.filters, shot.restitution) = (vec![ROCK], vec![0.3]);
     let mut world = resting();
     world.add(ball).unwrap();
     world.add(shot).unwrap();

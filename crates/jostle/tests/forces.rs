@@ -421,7 +421,7 @@ fn a_step_does_not_depend_on_springs_that_were_removed() {
         vec![1.0; 3],
     );
     let tie = Influence::Springs(Springs(vec![spring([0, 1], 1.0, 1e6)]));
-    let settings = WorldSettings { container: boxed([-2.0, 0.0], [3.0, 9.0]), ..falling(1.0) };
+    let settings = WorldSettings { container: boxed([-2.0, 0.0], [3.0, 9.0]), ..falling() };
     let mut world = forced(all, vec![tie], settings);
     run(&mut world, 1);
     assert_eq!(world.stats().substeps, 4);

@@ -3,7 +3,7 @@
 use jostle_scenes::{STEP, random::Random};
 use jostle_world::{Particles, Spin, World, WorldSettings};
 
-use crate::common::worlds::{boxed, discs, inside, run, run_for, still, world_of};
+use crate::common::worlds::{bouncing, boxed, discs, inside, run, run_for, still, world_of};
 
 fn spin(friction: f32, velocity: f32) -> Spin {
     Spin { friction, velocity, angle: 0.0 }
@@ -49,8 +49,7 @@ impl Two {
         let mut all = Particles::new(positions, self.velocities.to_vec(), self.radii.to_vec(), 1.0);
         all.masses = self.masses.to_vec();
         all.spins = self.spins.to_vec();
-        let settings = WorldSettings { restitution: self.restitution, ..Default::default() };
-        let mut world = world_of(all, settings);
+        let mut world = world_of(bouncing(all, self.restitution), WorldSettings::default());
         run_for(&mut world, 2.0, 1);
         world
     }
@@ -191,8 +190,8 @@ fn simultaneous_impacts_with_friction_add_no_energy() {
         let mut all = Particles::new(positions, velocities, vec![0.5; 16], 1.0);
         all.spins =
             (0..16).map(|_| spin(random.between(0.0, 2.0), random.between(-2.0, 2.0))).collect();
-        let restitution = random.between(0.0, 1.0);
-        let mut world = world_of(all, WorldSettings { restitution, ..Default::default() });
+        let all = bouncing(all, random.between(0.0, 1.0));
+        let mut world = world_of(all, WorldSettings::default());
         let (momentum, mut energy) = (world.momentum(), world.kinetic_energy());
         for _ in 0..20 {
             run_for(&mut world, 0.02, 1);
@@ -296,11 +295,10 @@ fn on_an_incline(angle: f32, friction: f32, speed: f32) -> World {
     all.spins = vec![spin(friction, 0.0)];
     let settings = WorldSettings {
         gravity: [10.0 * angle.sin(), -10.0 * angle.cos()],
-        restitution: 0.5,
         container: boxed([-5000.0, 0.0], [5000.0, 50.0]),
         ..Default::default()
     };
-    world_of(all, settings)
+    world_of(bouncing(all, 0.5), settings)
 }
 
 #[test]
@@ -382,11 +380,10 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
     let least = (15.0f32).to_radians().tan();
     let moved = |friction: f32| {
         let positions = vec![[0.0, 0.5], [1.0, 0.5], [0.5, 0.5 + 0.75f32.sqrt()]];
-        let mut all = still(&positions, 0.5);
+        let mut all = bouncing(still(&positions, 0.5), 0.3);
         all.spins = vec![spin(friction, 0.0); 3];
         let settings = WorldSettings {
             gravity: [0.0, -10.0],
-            restitution: 0.3,
             container: boxed([-20.0, 0.0], [24.0, 50.0]),
             ..Default::default()
         };
@@ -429,11 +426,10 @@ fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
 #[test]
 fn contacts_carry_the_weight_of_discs_at_rest() {
     let positions = vec![[0.0, 0.5], [1.0, 0.5], [0.5, 0.5 + 0.75f32.sqrt()]];
-    let mut all = still(&positions, 0.5);
+    let mut all = bouncing(still(&positions, 0.5), 0.3);
     all.spins = vec![spin(0.6, 0.0); 3];
     let settings = WorldSettings {
         gravity: [0.0, -10.0],
-        restitution: 0.3,
         container: boxed([-20.0, 0.0], [24.0, 50.0]),
         ..Default::default()
     };
@@ -536,10 +532,9 @@ fn impulses_of_walls_change_the_momentum() {
 #[test]
 fn impulses_of_walls_follow_their_particles() {
     let positions = vec![[2.0, 1.0], [5.0, 1.0], [8.0, 1.0]];
-    let all = still(&positions, 1.0);
+    let all = bouncing(still(&positions, 1.0), 0.3);
     let settings = WorldSettings {
         gravity: [0.0, -10.0],
-        restitution: 0.3,
         container: boxed([0.0; 2], [10.0; 2]),
         ..Default::default()
     };

@@ -5,7 +5,7 @@ use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Spin, World, WorldSettings};
 use proptest::prelude::*;
 
-use crate::common::worlds::{STEP, boxed, falling, gathered, run, world_of};
+use crate::common::worlds::{STEP, bouncing, boxed, falling, gathered, run, world_of};
 
 /// Discs of radius 1, each with a position and a velocity; the first `kinematic` are immovable.
 fn discs(rows: &[([f32; 2], [f32; 2])], kinematic: usize) -> Particles {
@@ -22,8 +22,8 @@ fn nothing_changes_the_velocity() {
     all.spins = vec![Spin { friction: 0.5, velocity: 2.0, angle: 0.0 }; 3];
     let container = boxed([-8.0, -6.0], [14.0, 6.0]);
     for drag in [0.0, 0.8] {
-        let settings = WorldSettings { container, drag, ..falling(0.7) };
-        let mut world = world_of(all.clone(), settings);
+        let settings = WorldSettings { container, drag, ..falling() };
+        let mut world = world_of(bouncing(all.clone(), 0.7), settings);
         let (momentum, energy) = (world.momentum(), world.kinetic_energy());
         assert!(momentum[1] == 0.0 && (energy - 802.0).abs() < 1e-3, "{momentum:?} {energy}");
         // It also leaves the container.
@@ -55,8 +55,8 @@ fn a_disc_leaves_with_the_relative_speed() {
         (-3.0, -5.0, 0.0),
     ] {
         let rows = [([0.0, 0.0], [pushing, 0.0]), ([12.0, 0.0], [own, 0.0])];
-        let settings = WorldSettings { restitution, ..WorldSettings::default() };
-        let mut world = world_of(discs(&rows, 1), settings);
+        let discs = bouncing(discs(&rows, 1), restitution);
+        let mut world = world_of(discs, WorldSettings::default());
         run(&mut world, 400);
         let expected = pushing + restitution * (pushing - own);
         let [found, across] = world.bodies().velocities().unwrap()[1];
@@ -86,8 +86,8 @@ proptest! {
             .iter()
             .map(|(place, velocity)| (*place, [0, 1].map(|k| velocity[k] - own[k])))
             .collect();
-        let settings = WorldSettings { restitution: 0.9, ..WorldSettings::default() };
-        let mut both = [rows, at_rest].map(|rows| world_of(discs(&rows, 1), settings));
+        let mut both = [rows, at_rest]
+            .map(|rows| world_of(bouncing(discs(&rows, 1), 0.9), WorldSettings::default()));
         both.iter_mut().for_each(|world| run(world, 30));
         let [moving, at_rest] = both.map(|world| {
             let bodies = world.bodies();
@@ -112,7 +112,7 @@ fn on_a_belt(velocity: [f32; 2], turning: f32, friction: f32) -> World {
     all.radii[0] = 10_000.0;
     all.spins = vec![Spin { friction, velocity: 0.0, angle: 0.0 }; 2];
     all.spins[0].velocity = turning;
-    world_of(all, falling(0.5))
+    world_of(bouncing(all, 0.5), falling())
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn a_disc_is_caught_on_a_torus() {
 }
 
 /// A heap of discs in a box through which kinematic discs move, some of them turning.
-fn stirred(count: usize, seed: u64, settings: WorldSettings) -> World {
+fn stirred(count: usize, seed: u64) -> World {
     let mut random = Random::new(seed);
     let mut between = |least: f32, most: f32| random.between(least, most);
     let rows: Vec<_> = (0..count)
@@ -173,19 +173,18 @@ fn stirred(count: usize, seed: u64, settings: WorldSettings) -> World {
             (place, [between(-20.0, 20.0), between(-20.0, 20.0)])
         })
         .collect();
-    let mut all = discs(&rows, 6);
+    let mut all = bouncing(discs(&rows, 6), 0.6);
     all.spins = vec![Spin { friction: 0.4, velocity: 0.0, angle: 0.0 }; count];
     all.spins[..3].iter_mut().for_each(|spin| spin.velocity = 5.0);
     let container = boxed([-2.0; 2], [50.0; 2]);
-    world_of(all, WorldSettings { container, ..settings })
+    world_of(all, WorldSettings { container, ..falling() })
 }
 
 #[test]
 fn methods_threads_and_order_do_not_show() {
-    let settings = falling(0.6);
-    let mut first = stirred(300, 1, settings);
+    let mut first = stirred(300, 1);
     run(&mut first, 60);
-    let all = stirred(300, 1, settings).bodies().particles().unwrap();
+    let all = stirred(300, 1).bodies().particles().unwrap();
     let brute = WorldSettings { method: Method::Brute, ..*first.settings() };
     let mut other = world_of(all.clone(), brute);
     run(&mut other, 60);
@@ -211,7 +210,7 @@ fn methods_threads_and_order_do_not_show() {
 #[test]
 fn no_disc_gets_into_a_kinematic_one() {
     for seed in 0..5 {
-        let mut world = stirred(300, seed, falling(0.6));
+        let mut world = stirred(300, seed);
         for _ in 0..120 {
             run(&mut world, 1);
             let all = world.bodies().particles().unwrap();
@@ -240,7 +239,7 @@ fn asleep() -> World {
         ([40.0, 0.0], [0.0; 2]),
         ([1.0, 1.8], [0.0; 2]),
     ];
-    let mut world = world_of(discs(&rows, 3), falling(0.2));
+    let mut world = world_of(bouncing(discs(&rows, 3), 0.2), falling());
     run(&mut world, 300);
     assert_eq!(world.bodies().asleep().unwrap(), [false, false, false, true]);
     world

@@ -9,7 +9,7 @@ use jostle_base::{Error, Id, Method, Settings};
 use jostle_world::forces::{Attractor, Gravitation, Influence, Law, Pole, Spring, Springs};
 use jostle_world::{Container, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
-use crate::common::worlds::{boxed, inside, still, world_of};
+use crate::common::worlds::{bouncing, boxed, inside, still, world_of};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -28,14 +28,13 @@ fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<Id>>>) {
 /// Three heavy discs that press against each other with more than float32 can hold.
 fn overflowing() -> World {
     let positions = vec![[0.0, 0.0], [3.0, 0.0], [6.0, 0.0]];
-    let mut all = still(&positions, 1.0);
+    let mut all = bouncing(still(&positions, 1.0), 0.5);
     all.masses = vec![1e26; 3];
     let settings = WorldSettings {
         gravity: [0.0, 10.0],
         drag: 1e3,
         container: boxed([-20.0; 2], [20.0; 2]),
         substeps: Some(1),
-        restitution: 0.5,
         ..Default::default()
     };
     let mut world = world_of(all, settings);
@@ -88,7 +87,6 @@ fn crowd(len: usize, side: f32) -> Particles {
 fn worlds() -> Vec<(&'static str, World)> {
     let pile = WorldSettings {
         gravity: [0.0, 40.0],
-        restitution: 0.3,
         container: boxed([-1.0; 2], [31.0; 2]),
         ..Default::default()
     };
@@ -107,7 +105,8 @@ fn worlds() -> Vec<(&'static str, World)> {
     let mut one_fast = crowd(200, 30.0);
     one_fast.velocities[7] = [9000.0, 4000.0];
     let make = |all, settings| world_of(all, settings);
-    let mut sprung = make(crowd(60, 30.0), pile);
+    let lossy = || bouncing(crowd(60, 30.0), 0.3);
+    let mut sprung = make(lossy(), pile);
     sprung.set_forces(vec![Influence::Springs(Springs((0..50).map(spring).collect()))]).unwrap();
     let many_parts = {
         let mut all = crowd(60, 30.0);
@@ -123,7 +122,7 @@ fn worlds() -> Vec<(&'static str, World)> {
         world.remove(&[7]).unwrap();
         world
     };
-    let mut walled = make(crowd(60, 30.0), pile);
+    let mut walled = make(lossy(), pile);
     let wall = |k: i32| {
         let x = (k * 17 % 30) as f32;
         Wall::new([[x, (k * 7 % 30) as f32], [x + 5.0, (k * 11 % 30) as f32 + 0.5]])
@@ -132,7 +131,7 @@ fn worlds() -> Vec<(&'static str, World)> {
     vec![
         ("merging fast", merging_fast),
         ("walls", walled),
-        ("pile", make(crowd(60, 30.0), pile)),
+        ("pile", make(lossy(), pile)),
         ("springs", sprung),
         ("merging", make(crowd(60, 30.0), merging)),
         ("outside", make(outside, WorldSettings { container: torus, ..Default::default() })),
@@ -364,8 +363,8 @@ fn inelastic_collapse_of_a_long_row_takes_bounded_time() {
     velocities.push([0.0, 0.0]);
     let mut all = Particles::new(positions, velocities, vec![0.5; len + 1], 1.0);
     all.movable[len] = false;
-    let settings = WorldSettings { restitution: 0.0, substeps: Some(1), ..Default::default() };
-    let mut world = world_of(all, settings);
+    let settings = WorldSettings { substeps: Some(1), ..Default::default() };
+    let mut world = world_of(bouncing(all, 0.0), settings);
     within_bounds(|| world.step(0.1, 1).unwrap());
     assert!(
         world.bodies().positions().unwrap().iter().all(|p| p[0] <= 1.0),
@@ -455,11 +454,10 @@ fn a_step_in_which_few_discs_become_very_fast_on_a_torus_is_refused_and_undone()
     let settings = WorldSettings {
         container: Container::Torus { size: [10.0, 12.0] },
         gravity: [-22.499_771, -68.050_52],
-        restitution: 0.5,
         substeps: Some(6),
         ..Default::default()
     };
-    let mut world = world_of(all, settings);
+    let mut world = world_of(bouncing(all, 0.5), settings);
     let before = state(&world);
     let mut done = Ok(());
     within_bounds(|| done = world.step(0.1, 1));

@@ -4,7 +4,7 @@ use jostle_index::Filter;
 use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Wall, WorldSettings};
 
-use crate::common::worlds::{boxed, walled};
+use crate::common::worlds::{bouncing, boxed, walled};
 
 /// What the particles of a scene touch, and what none of them touches.
 const OWN: Filter = Filter { category: 1, mask: 1 };
@@ -215,18 +215,17 @@ fn pile(seed: u64) -> Base {
     let mut random = Random::new(seed);
     let container = containers()[seed as usize % 3];
     let substeps = Some([4, 1, 8, 2][seed as usize % 4]);
-    let mut particles = discs(60 + 30 * (seed as usize % 4), 3.0, OWN, &mut random);
+    let particles = discs(60 + 30 * (seed as usize % 4), 3.0, OWN, &mut random);
+    let mut particles = bouncing(particles, [0.5, 0.0, 0.9][seed as usize % 3]);
     if seed % 3 == 1 {
         particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.3);
     }
     if seed % 5 == 2 {
         particles.restitution.iter_mut().step_by(2).for_each(|e| *e = 0.2);
     }
-    let restitution = [0.5, 0.0, 0.9][seed as usize % 3];
     let walls = if container == Container::None { trough() } else { Vec::new() };
     let settings = WorldSettings {
         gravity: [0.0, -30.0],
-        restitution,
         container,
         substeps,
         sleeping: false,
@@ -240,11 +239,10 @@ fn pile(seed: u64) -> Base {
 fn gas(seed: u64, radii: f32) -> Base {
     let mut random = Random::new(seed);
     let container = containers()[seed as usize % 4];
-    let particles = discs(150, 10.0, OWN, &mut random);
     let restitution = [1.0, 0.95, 1.0, 0.6][(seed / 4) as usize % 4];
+    let particles = bouncing(discs(150, 10.0, OWN, &mut random), restitution);
     let walls = if seed % 8 == 4 { trough() } else { Vec::new() };
     let settings = WorldSettings {
-        restitution,
         container,
         substeps: [None, Some(1), Some(3)][seed as usize % 3],
         sleeping: false,
@@ -257,12 +255,9 @@ fn gas(seed: u64, radii: f32) -> Base {
 /// Elastic discs that fall and never rest, whatever others do.
 fn elastic(seed: u64) -> Base {
     let base = pile(seed);
-    let mut particles = base.particles.clone();
-    particles.restitution.fill(1.0);
+    let mut particles = bouncing(base.particles.clone(), 1.0);
     particles.spins_mut().fill(Default::default());
-    // What loses energy at a wall is a property of the world.
-    let settings = WorldSettings { restitution: 1.0, ..base.settings };
-    Base { name: format!("elastic {}", base.name), particles, settings, ..base }
+    Base { name: format!("elastic {}", base.name), particles, ..base }
 }
 
 #[test]
@@ -273,8 +268,8 @@ fn what_touches_nothing_changes_no_pile() {
 /// A pile that falls asleep.
 fn sleeper(seed: u64) -> Base {
     let base = pile(4 * seed);
-    let settings = WorldSettings { sleeping: true, restitution: 0.2, ..base.settings };
-    let mut particles = base.particles.clone();
+    let settings = WorldSettings { sleeping: true, ..base.settings };
+    let mut particles = bouncing(base.particles.clone(), 0.2);
     particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.6);
     Base { name: format!("sleeping {}", base.name), particles, settings, steps: 420, ..base }
 }

@@ -5,7 +5,7 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
 use jostle_world::{Container, Influence, OnTouch, Particles, World, WorldSettings};
 
-use crate::common::worlds::{boxed, gathered, run, run_for, world_of};
+use crate::common::worlds::{bouncing, boxed, gathered, run, run_for, world_of};
 
 fn merging() -> WorldSettings {
     WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() }
@@ -352,10 +352,10 @@ fn ghosts_rest_on_the_floor() {
         on_touch: OnTouch::Ignore,
         container: boxed([0.0; 2], [10.0; 2]),
         gravity: [0.0, 10.0],
-        restitution: 0.3,
         ..WorldSettings::default()
     };
-    let mut world = world_of(row(&[[5.0, 5.0], [5.2, 2.0]], &[[0.0; 2]; 2], 1.0), settings);
+    let all = bouncing(row(&[[5.0, 5.0], [5.2, 2.0]], &[[0.0; 2]; 2], 1.0), 0.3);
+    let mut world = world_of(all, settings);
     run(&mut world, 600);
     assert!(
         world.bodies().positions().unwrap().iter().all(|p| (p[1] - 9.0).abs() < 1e-3),

@@ -7,7 +7,7 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::{Influence, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
-use crate::common::worlds::{boxed, run, still, walled, world_of};
+use crate::common::worlds::{bouncing, boxed, run, still, walled, world_of};
 
 fn motor(ids: &[i64], walls: &[u32]) -> Motor {
     Motor {
@@ -107,12 +107,11 @@ fn mill(method: Method, threads: usize) -> World {
     let mut settings = WorldSettings {
         container: Container::Circle { center: [0.0; 2], radius: 9.0 },
         gravity: [0.0, -9.8],
-        restitution: 0.5,
         method,
         ..WorldSettings::default()
     };
     settings.tree.threads = Some(threads);
-    let mut all = discs(&paddles, &free);
+    let mut all = bouncing(discs(&paddles, &free), 0.5);
     all.radii[paddles.len()..].fill(0.3);
     all.masses.fill(1.0);
     let len = all.len();
@@ -149,12 +148,11 @@ fn a_mill_has_the_same_bits_however_it_is_computed() {
 
 #[test]
 fn grains_on_a_paddle_do_not_sleep_and_others_do() {
-    let mut all = discs(&[[0.0, 1.0]], &[[5.0, 0.5]]);
+    let mut all = bouncing(discs(&[[0.0, 1.0]], &[[5.0, 0.5]]), 0.3);
     all.spins_mut();
     let settings = WorldSettings {
         container: boxed([-10.0, 0.0], [10.0, 10.0]),
         gravity: [0.0, -9.8],
-        restitution: 0.3,
         ..WorldSettings::default()
     };
     let mut world = world_of(all, settings);

@@ -8,7 +8,7 @@ use jostle_scenes::random::Random;
 use jostle_world::{Spin, World, WorldSettings};
 use proptest::prelude::*;
 
-use crate::common::worlds::{STEP, boxed, discs, falling, moving, run, walled, world_of};
+use crate::common::worlds::{STEP, bouncing, boxed, discs, falling, moving, run, walled, world_of};
 
 thread_local! {
     /// Polls that do not stop the step.
@@ -24,10 +24,9 @@ fn a_disc_leaves_with_the_relative_speed() {
         (60_000.0, 0.0, 1.0),
         (-3.0, -5.0, 0.0),
     ] {
-        let disc = discs(&[([11.0, 0.3], [own, 0.0])], 1.0);
+        let disc = bouncing(discs(&[([11.0, 0.3], [own, 0.0])], 1.0), restitution);
         let walls = vec![moving([[0.0, -3.0], [0.0, 4.0]], [pushing, 0.0])];
-        let settings = WorldSettings { restitution, ..WorldSettings::default() };
-        let mut world = walled(disc, walls, settings);
+        let mut world = walled(disc, walls, WorldSettings::default());
         run(&mut world, 400);
         let expected = pushing + restitution * (pushing - own);
         let [found, across] = world.bodies().velocities().unwrap()[0];
@@ -46,11 +45,12 @@ fn an_end_pushes_as_an_immovable_disc_of_radius_0() {
     for gravity in [[0.0, 0.0], [0.0, -9.8]] {
         for y in [0.2, 0.7, -0.6] {
             let velocity = [5.0, 1.0];
-            let settings = WorldSettings { gravity, restitution: 0.8, ..WorldSettings::default() };
+            let settings = WorldSettings { gravity, ..WorldSettings::default() };
             let start = ([3.0, y], [-1.0, 0.3]);
             let walls = vec![moving([[0.0, 0.0], [-4.0, 0.0]], velocity)];
-            let mut with_wall = walled(discs(&[start], 1.0), walls, settings);
-            let mut both = discs(&[start, ([0.0, 0.0], velocity)], 1.0);
+            let one = bouncing(discs(&[start], 1.0), 0.8);
+            let mut with_wall = walled(one, walls, settings);
+            let mut both = bouncing(discs(&[start, ([0.0, 0.0], velocity)], 1.0), 0.8);
             (both.radii[1], both.movable[1]) = (0.0, false);
             let mut with_point = world_of(both, settings);
             for _ in 0..40 {
@@ -83,8 +83,8 @@ fn room(seed: u64, extra: [f32; 2], falls: bool) -> World {
         })
         .collect();
     let gravity = if falls { [0.0, -9.8] } else { [0.0; 2] };
-    let settings = WorldSettings { gravity, restitution: 0.9, ..WorldSettings::default() };
-    walled(discs(&rows, 0.3), walls.collect(), settings)
+    let settings = WorldSettings { gravity, ..WorldSettings::default() };
+    walled(bouncing(discs(&rows, 0.3), 0.9), walls.collect(), settings)
 }
 
 proptest! {
@@ -138,10 +138,10 @@ proptest! {
 #[test]
 fn a_belt_and_a_lift_carry_discs() {
     for velocity in [[6.0, 0.0], [0.0, 2.0], [6.0, -2.0]] {
-        let mut all = discs(&[([0.0, 1.0], [0.0, velocity[1]])], 1.0);
+        let mut all = bouncing(discs(&[([0.0, 1.0], [0.0, velocity[1]])], 1.0), 0.5);
         all.spins = vec![Spin { friction: 0.3, ..Spin::default() }];
         let walls = vec![moving([[-100.0, 0.0], [100.0, 0.0]], velocity)];
-        let mut world = walled(all, walls, falling(0.5));
+        let mut world = walled(all, walls, falling());
         run(&mut world, 200);
         // It rolls: v + 2 v is the speed of the belt.
         let ([u, v], spin) = (
@@ -159,7 +159,7 @@ fn a_belt_and_a_lift_carry_discs() {
 }
 
 /// Discs in a box, in which walls move; some of the walls share ends.
-fn stirred(settings: WorldSettings) -> World {
+fn stirred(restitution: f32, settings: WorldSettings) -> World {
     let mut random = Random::new(3);
     let rows: Vec<_> = (0..300)
         .map(|row| {
@@ -173,20 +173,21 @@ fn stirred(settings: WorldSettings) -> World {
         moving([[20.0, 37.2], [30.0, 40.8]], [4.0, -2.0]),
         moving([[40.8, 10.0], [40.8, 1.2]], [-8.0, 0.0]),
     ];
-    walled(discs(&rows, 0.6), walls, WorldSettings { container, ..settings })
+    let discs = bouncing(discs(&rows, 0.6), restitution);
+    walled(discs, walls, WorldSettings { container, ..settings })
 }
 
 #[test]
 fn methods_threads_snapshots_and_undone_steps_do_not_show() {
-    for settings in [falling(0.6), WorldSettings::default()] {
+    for (restitution, settings) in [(0.6, falling()), (1.0, WorldSettings::default())] {
         let state = |world: &World| (world.state_hash().unwrap(), world.walls().to_vec());
-        let mut first = stirred(settings);
+        let mut first = stirred(restitution, settings);
         run(&mut first, 60);
         for threads in [1, 3] {
             for method in [Method::Brute, Method::Quadtree] {
                 let mut settings = WorldSettings { method, ..settings };
                 settings.tree.threads = Some(threads);
-                let mut other = stirred(settings);
+                let mut other = stirred(restitution, settings);
                 run(&mut other, 30);
                 let mut other = World::restore(&other.snapshot().unwrap()).expect("valid");
                 let before = state(&other);
@@ -201,7 +202,7 @@ fn methods_threads_snapshots_and_undone_steps_do_not_show() {
 
 #[test]
 fn an_interrupted_step_moves_no_wall() {
-    let mut world = stirred(falling(0.6));
+    let mut world = stirred(0.6, falling());
     run(&mut world, 5);
     let state = |world: &World| {
         (world.state_hash().unwrap(), world.walls().to_vec(), world.snapshot().unwrap())

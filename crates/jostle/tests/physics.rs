@@ -1,13 +1,17 @@
 //! The gates of the world's physics, each against an answer that does not come
 //! from the world: analysis, conservation laws, geometry.
 
-use jostle_base::Settings;
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::{Id, Settings};
 use jostle_index::{Columns, Each, Shapes, geometry, pairs};
 use jostle_scenes::{STEP, random::Random};
-use jostle_world::{Container, Particles, World, WorldSettings};
+use jostle_world::{
+    Changes, Collisions, Container, Particles, Spin, Surface, Wall, World, WorldSettings,
+};
 
-use crate::common::worlds::{boxed, discs, inside, run, run_for, still, world_of};
+use crate::common::worlds::{
+    bouncing, boxed, discs, inside, run, run_for, still, wall, walled, world_of,
+};
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
@@ -30,15 +34,11 @@ impl Two {
             velocities: self.velocities.to_vec(),
             radii: self.radii.to_vec(),
             masses: self.masses.to_vec(),
-            restitution: vec![1.0; 2],
+            restitution: vec![self.restitution; 2],
             movable: vec![true; 2],
             ..Particles::default()
         };
-        let restitution = self.restitution;
-        world_of(
-            particles,
-            WorldSettings { restitution, substeps: Some(substeps), ..WorldSettings::default() },
-        )
+        world_of(particles, WorldSettings { substeps: Some(substeps), ..WorldSettings::default() })
     }
 
     /// The velocities after the collision, from the moment of impact.
@@ -193,12 +193,8 @@ fn an_elastic_gas_keeps_its_energy() {
 #[test]
 fn an_inelastic_gas_never_gains_energy() {
     for restitution in [0.0, 0.5, 0.9] {
-        let settings = WorldSettings {
-            restitution,
-            container: boxed([0.0; 2], [420.0; 2]),
-            ..WorldSettings::default()
-        };
-        let mut world = world_of(cloud(1000, 420.0, 5.0, 200.0, 4), settings);
+        let gas = bouncing(cloud(1000, 420.0, 5.0, 200.0, 4), restitution);
+        let mut world = world_of(gas, inside(boxed([0.0; 2], [420.0; 2])));
         let mut last = world.kinetic_energy();
         for step in 0..400 {
             run(&mut world, 1);
@@ -356,9 +352,8 @@ fn nothing_leaves_a_container() {
                 }
                 particles.radii[row] = 0.1 + (row % 7) as f32 * 1.3;
             }
-            let settings =
-                WorldSettings { container, gravity, restitution: 0.9, ..WorldSettings::default() };
-            let mut world = world_of(particles, settings);
+            let settings = WorldSettings { container, gravity, ..WorldSettings::default() };
+            let mut world = world_of(bouncing(particles, 0.9), settings);
             for step in 0..300 {
                 run(&mut world, 1);
                 let all = world.bodies().particles().unwrap();
@@ -455,10 +450,9 @@ fn a_free_flight_follows_gravity_and_drag() {
 #[test]
 fn coincident_centres_separate() {
     for gravity in [[0.0, 0.0], [0.0, 500.0]] {
-        let particles = still(&[[200.0, 200.0]; 200], 5.0);
+        let particles = bouncing(still(&[[200.0, 200.0]; 200], 5.0), 0.2);
         let settings = WorldSettings {
             gravity,
-            restitution: 0.2,
             container: boxed([0.0; 2], [400.0; 2]),
             ..WorldSettings::default()
         };
@@ -486,21 +480,90 @@ fn static_particles_stay() {
     assert!(world.bodies().particles().unwrap().velocities[..50].iter().all(|v| *v == [0.0; 2]));
 }
 
+/// What a disc meets at y = 0.
+#[derive(Clone, Copy, Debug)]
+enum Other {
+    Disc,
+    Wall,
+    Side,
+}
+
+/// A disc of radius 1 meets something in the origin at a speed of 0.6 and slides along it. Both have coefficients of
+/// restitution and of friction. Returns the velocity of the disc, and the number of impacts.
+fn after_impact(own: [f32; 2], other: Other, of: [Option<f32>; 2], gap: f32) -> ([f32; 2], u64) {
+    let start = [-4.0 * gap / 0.6, 1.0 + gap];
+    let mut all = discs(&[(start, [4.0, -0.6]), ([0.0, -1.0], [0.0; 2])], 1.0);
+    all.movable[1] = false;
+    all.restitution = vec![own[0], of[0].unwrap_or(own[0])];
+    let friction = [own[1], of[1].unwrap_or(own[1])];
+    all.spins = friction.map(|friction| Spin { friction, ..Spin::default() }).to_vec();
+    // So little that it only decides which contacts may rest.
+    let mut settings = WorldSettings { gravity: [0.0, -1e-3], ..WorldSettings::default() };
+    let surface = Surface { restitution: of[0], friction: of[1] };
+    let mut walls = Vec::new();
+    match other {
+        Other::Disc => {}
+        Other::Wall => walls.push(Wall { surface, ..wall([-90.0, 0.0], [90.0, 0.0]) }),
+        Other::Side => {
+            settings.container = boxed([-90.0, 0.0], [90.0; 2]);
+            settings.sides.0[2] = surface;
+        }
+    }
+    if !matches!(other, Other::Disc) {
+        all.retain(|row| row == 0);
+    }
+    let mut world = walled(all, walls, settings);
+    world.begin_record().unwrap();
+    run(&mut world, 4);
+    let Collisions { pairs, walls } = world.record().collisions();
+    (world.bodies().velocities().unwrap()[0], pairs + walls)
+}
+
 #[test]
-fn a_restitution_of_each_particle_multiplies() {
-    let mut particles = Particles::new(
-        vec![[0.0; 2], [30.0, 0.0]],
-        vec![[60.0, 0.0], [0.0; 2]],
-        vec![10.0; 2],
-        1.0,
-    );
-    particles.restitution = vec![0.5, 0.8];
-    let settings = WorldSettings { restitution: 0.5, ..WorldSettings::default() };
-    let mut world = world_of(particles, settings);
-    run(&mut world, 60);
-    let after = world.bodies().particles().unwrap().velocities;
-    let parting = after[1][0] - after[0][0];
-    assert!((parting / 60.0 - 0.5 * 0.8 * 0.5).abs() < 1e-5, "parting at {parting}");
+fn a_contact_has_the_geometric_mean_of_the_coefficients_of_both() {
+    let mean = |own: f32, of: Option<f32>| of.map_or(own, |of| (own * of).sqrt());
+    let others = [[None, None], [Some(0.125), None], [None, Some(0.05)]];
+    let others = others.into_iter().chain([[Some(0.0); 2], [Some(1.0); 2], [Some(0.3); 2]]);
+    let cases = others.flat_map(|of| [[0.5, 0.2], [1.0, 0.4], [0.8, 0.0]].map(|own| (own, of)));
+    for (own, of) in cases {
+        for other in [Other::Disc, Other::Wall, Other::Side] {
+            // Where they touch at the beginning, the contact is solved as those that rest.
+            for (gap, impacts) in [(0.03, 1), (0.0, 0)] {
+                let (found, count) = after_impact(own, other, of, gap);
+                let [restitution, friction] = [0, 1].map(|k| mean(own[k], of[k]));
+                let slower = friction * (1.0 + restitution) * 0.6;
+                let expected = [4.0 - slower, restitution * 0.6];
+                let error = (found[0] - expected[0]).abs().max((found[1] - expected[1]).abs());
+                let at = format!("{own:?} {other:?} {of:?} {gap}");
+                assert!(error < 1e-3, "{at}: {found:?} {expected:?}");
+                assert_eq!(count, impacts, "{at}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_restitution_of_all_is_as_one_of_each() {
+    let after = |restitution: f32, set: &dyn Fn(&mut World)| {
+        let settings =
+            WorldSettings { gravity: [0.0, -300.0], ..inside(boxed([0.0; 2], [200.0; 2])) };
+        let mut world = world_of(bouncing(cloud(200, 200.0, 5.0, 100.0, 3), restitution), settings);
+        set(&mut world);
+        run(&mut world, 120);
+        world.snapshot().unwrap()
+    };
+    let set = |world: &mut World, ids: &[Id], restitution| {
+        let restitution = Some(restitution);
+        world.set(ids, &Changes { restitution, ..Changes::default() }).unwrap();
+    };
+    let expected = after(0.5, &|_| ());
+    let ids: Vec<Id> = (0..200).collect();
+    assert!(after(1.0, &|world| set(world, &ids, Each::One(0.5))) == expected);
+    assert!(after(1.0, &|world| set(world, &ids, Each::Rows(vec![0.5; 200]))) == expected);
+    let one_by_one =
+        |world: &mut World| ids.iter().for_each(|&id| set(world, &[id], Each::One(0.5)));
+    assert!(after(1.0, &one_by_one) == expected);
+    assert!(after(1.0, &|_| ()) != expected);
 }
 
 #[test]
@@ -579,12 +642,11 @@ fn a_train_keeps_its_order_when_it_hits_a_wall() {
                     Particles::new(positions, vec![[speed, 0.0]; count], vec![1.0; count], 1.0);
                 let container = boxed([0.0; 2], [wall, 100.0]);
                 let settings = WorldSettings {
-                    restitution,
                     substeps: Some(substeps),
                     container,
                     ..WorldSettings::default()
                 };
-                let mut world = world_of(particles, settings);
+                let mut world = world_of(bouncing(particles, restitution), settings);
                 for step in 0..20 {
                     run(&mut world, 1);
                     // Side by side on a line they can only pass by passing through.
@@ -722,10 +784,9 @@ fn slow_discs_far_from_the_origin_collide_as_near_it() {
 
 #[test]
 fn a_slow_disc_slides_along_a_floor_far_from_the_origin() {
-    let disc = discs(&[([1e6, 9.0], [0.05, 0.0])], 1.0);
+    let disc = bouncing(discs(&[([1e6, 9.0], [0.05, 0.0])], 1.0), 0.5);
     let container = boxed([1e6 - 10.0, -10.0], [1e6 + 50.0, 10.0]);
-    let settings =
-        WorldSettings { container, gravity: [0.0, 10.0], restitution: 0.5, ..Default::default() };
+    let settings = WorldSettings { container, gravity: [0.0, 10.0], ..Default::default() };
     let mut world = world_of(disc, settings);
     run(&mut world, 3600);
     let [x, y] = world.bodies().positions().unwrap()[0];
@@ -746,8 +807,8 @@ fn points_rest_and_bounce_on_a_floor_in_bounded_work() {
         let container = boxed([10.0, -10.0], [110.0, 10.0]);
         let gravity = [0.0, 10.0];
         let mut world = world_of(
-            points,
-            WorldSettings { container, gravity, restitution, ..Default::default() },
+            bouncing(points, restitution),
+            WorldSettings { container, gravity, ..Default::default() },
         );
         for _ in 0..60 {
             run(&mut world, 1);
@@ -765,12 +826,11 @@ fn discs_that_collide_as_a_sub_step_begins_fall_along_their_parabolas() {
         let [positions, velocities] = [[[0.0, 50.0], [0.0, 48.0]], [[3.0, -8.0], [0.0, 0.0]]];
         let discs = Particles::new(positions.to_vec(), velocities.to_vec(), vec![1.0; 2], 1.0);
         let mut world = world_of(
-            discs,
+            bouncing(discs, 0.5),
             WorldSettings {
                 container: boxed([-100.0, 0.0], [100.0, 100.0]),
                 gravity: [0.0, gravity as f32],
                 drag: drag as f32,
-                restitution: 0.5,
                 substeps: Some(1),
                 ..Default::default()
             },

@@ -5,7 +5,7 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::{Influence, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
-use crate::common::worlds::{STEP, discs, moving, run, still, walled, world_of};
+use crate::common::worlds::{STEP, bouncing, discs, moving, run, still, walled, world_of};
 
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
 
@@ -49,17 +49,17 @@ fn with_kinematic(all: Particles, more: &[[f32; 2]], radius: f32, velocity: [f32
     both
 }
 
-fn settings(restitution: f32, substeps: usize, gravity: f32) -> WorldSettings {
+fn settings(substeps: usize, gravity: f32) -> WorldSettings {
     let (gravity, substeps) = ([0.0, -gravity], Some(substeps));
-    WorldSettings { restitution, substeps, gravity, ..WorldSettings::default() }
+    WorldSettings { substeps, gravity, ..WorldSettings::default() }
 }
 
 #[test]
 fn two_discs_before_a_wall_do_not_get_behind_it() {
     let positions = vec![[1.15, 0.94], [0.66, 0.22]];
-    let all = still(&positions, 0.4);
+    let all = bouncing(still(&positions, 0.4), 0.0);
     let mut world =
-        walled(all, vec![moving([[0.0, -9.0], [0.0, 9.0]], [30.0, 0.0])], settings(0.0, 1, 0.0));
+        walled(all, vec![moving([[0.0, -9.0], [0.0, 9.0]], [30.0, 0.0])], settings(1, 0.0));
     for _ in 0..8 {
         run(&mut world, 1);
         let wall = world.walls()[0].ends[0][0];
@@ -71,13 +71,20 @@ fn two_discs_before_a_wall_do_not_get_behind_it() {
 }
 
 /// Discs before a wall, or a row of kinematic discs, that moves to the right through the open plane.
-fn pushed(seed: u64, count: usize, speed: f32, is_row: bool, settings: WorldSettings) -> World {
+fn pushed(
+    seed: u64,
+    (count, restitution): (usize, f32),
+    speed: f32,
+    is_row: bool,
+    settings: WorldSettings,
+) -> World {
     let mut random = Random::new(seed);
     let side = (count as f32 * 1.28).sqrt().max(2.0);
     let all = scattered(&mut random, &vec![0.4; count], [side, side]);
     let row: Vec<_> = (-12..=20).map(|k| [-0.5, k as f32]).collect();
     let row = if is_row { &row[..] } else { &[] };
-    let mut world = world_of(with_kinematic(all, row, 0.5, [speed, 0.0]), settings);
+    let all = bouncing(with_kinematic(all, row, 0.5, [speed, 0.0]), restitution);
+    let mut world = world_of(all, settings);
     if !is_row {
         let wall = moving([[0.0, -90.0], [0.0, 90.0]], [speed, 0.0]);
         world.set_walls(vec![wall]).expect("valid");
@@ -99,8 +106,8 @@ fn push_all(speeds: &[f32], counts: &[usize], seeds: u64, steps: usize) {
         for restitution in RESTITUTIONS {
             for (substeps, is_row) in [(1, false), (1, true), (4, false), (16, true)] {
                 for seed in 0..seeds {
-                    let settings = settings(restitution, substeps, 0.0);
-                    let mut world = pushed(seed, count, speed, is_row, settings);
+                    let (discs, settings) = ((count, restitution), settings(substeps, 0.0));
+                    let mut world = pushed(seed, discs, speed, is_row, settings);
                     for step in 0..steps {
                         run(&mut world, 1);
                         let of = [speed, restitution];
@@ -133,7 +140,12 @@ enum Sides {
     OnTorus,
 }
 
-fn lift(seed: u64, sides: Sides, velocity: [f32; 2], mut settings: WorldSettings) -> Lift {
+fn lift(
+    seed: u64,
+    (sides, restitution): (Sides, f32),
+    velocity: [f32; 2],
+    mut settings: WorldSettings,
+) -> Lift {
     let mut random = Random::new(seed);
     let radii: Vec<f32> = (0..30).map(|_| random.between(0.1, 0.4)).collect();
     let area: f32 = radii.iter().map(|r| std::f32::consts::PI * r * r).sum();
@@ -152,7 +164,7 @@ fn lift(seed: u64, sides: Sides, velocity: [f32; 2], mut settings: WorldSettings
         period = Some(40.0);
     }
     let len = all.len();
-    let mut world = world_of(all, settings);
+    let mut world = world_of(bouncing(all, restitution), settings);
     let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
     let of_walls = if period.is_some() { velocity } else { [0.0; 2] };
     let walls = (0..4).map(|k| moving([corners[k], corners[(k + 1) % 4]], of_walls));
@@ -195,8 +207,8 @@ fn lift_all(speeds: &[f32], substeps: &[usize], seeds: u64, steps: usize) {
             {
                 let direction = [[1.0, 0.0], [0.0, 1.0], [0.6, 0.8]][seed as usize % 3];
                 let velocity = direction.map(|v: f32| v * speed);
-                let settings = settings(restitution, substeps, gravity);
-                let mut lift = lift(seed, sides, velocity, settings);
+                let settings = settings(substeps, gravity);
+                let mut lift = lift(seed, (sides, restitution), velocity, settings);
                 for step in 0..steps {
                     run(&mut lift.world, 1);
                     let of = [speed, restitution, gravity];
@@ -221,9 +233,9 @@ fn no_disc_leaves_many_boxes_that_move() {
 }
 
 /// One disc between two walls, of which one or both come as near as `gap` again and again.
-fn pressed(both: bool, gap: f32, speed: f32, settings: WorldSettings) -> World {
-    let all = still(&[[0.3, 0.0]], 0.4);
-    let mut world = world_of(all, settings);
+fn pressed(both: bool, gap: f32, speed: f32, restitution: f32, substeps: usize) -> World {
+    let all = bouncing(still(&[[0.3, 0.0]], 0.4), restitution);
+    let mut world = world_of(all, settings(substeps, 0.0));
     let walls = [-2.0, 2.0].map(|x| Wall::new([[x, -9.0], [x, 9.0]]));
     world.set_walls(walls.to_vec()).expect("valid");
     let way = (4.0 - gap) / if both { 2.0 } else { 1.0 };
@@ -239,7 +251,7 @@ fn a_disc_stays_between_walls_that_leave_it_no_room() {
     for (both, gap) in [(false, 0.1), (false, 0.5), (true, 0.1), (true, 0.5)] {
         for restitution in RESTITUTIONS {
             for (speed, substeps) in [(0.5, 1), (3.0, 1), (10.0, 1), (10.0, 8)] {
-                let mut world = pressed(both, gap, speed, settings(restitution, substeps, 0.0));
+                let mut world = pressed(both, gap, speed, restitution, substeps);
                 for _ in 0..(480.0 / speed).min(300.0) as usize {
                     let done = world.step(STEP, 1);
                     if restitution >= 0.8 && matches!(done, Err(Error::TooManyCollisions { .. })) {
@@ -261,8 +273,8 @@ fn a_disc_stays_between_walls_that_leave_it_no_room() {
 
 #[test]
 fn a_disc_without_room_moves_with_the_mean_of_what_presses_it() {
-    let all = still(&[[0.0; 2]], 0.4);
-    let mut world = world_of(all, settings(0.0, 1, 0.0));
+    let all = bouncing(still(&[[0.0; 2]], 0.4), 0.0);
+    let mut world = world_of(all, settings(1, 0.0));
     let left = moving([[-0.4, -9.0], [-0.4, 9.0]], [3.0, 0.0]);
     let right = moving([[0.4, -9.0], [0.4, 9.0]], [-1.0, 0.0]);
     world.set_walls(vec![left, right]).expect("valid");
@@ -278,8 +290,8 @@ fn an_exhausted_disc_moves_with_the_walls_around_it() {
     // It bounces 10⁵ times in the step.
     for (restitution, velocity) in [(0.99, [20.0, 0.0]), (1.0, [20.0, 0.0]), (1.0, [0.0; 2])] {
         let own = [velocity[0] + 1.0, 2.0];
-        let all = discs(&[([0.0; 2], own)], 0.4);
-        let mut world = world_of(all, settings(restitution, 1, 0.0));
+        let all = bouncing(discs(&[([0.0; 2], own)], 0.4), restitution);
+        let mut world = world_of(all, settings(1, 0.0));
         let walls = [-0.4 - 1e-7, 0.4 + 1e-7f32].map(|x| moving([[x, -9.0], [x, 9.0]], velocity));
         world.set_walls(walls.to_vec()).expect("valid");
         for step in 1..10 {
@@ -302,7 +314,7 @@ fn an_exhausted_disc_moves_with_the_walls_around_it() {
 
 /// A dense crowd before a wall that pushes it.
 fn crowd(method: Method, threads: usize) -> World {
-    let mut settings = settings(0.0, 4, 0.0);
+    let mut settings = settings(4, 0.0);
     (settings.method, settings.tree.threads) = (method, Some(threads));
     let mut random = Random::new(3);
     let all = (0..1300).map(|k| {
@@ -310,7 +322,7 @@ fn crowd(method: Method, threads: usize) -> World {
         [k % 26, k / 26].map(of)
     });
     let all = Particles::new(all.collect(), vec![[0.0; 2]; 1300], vec![0.4; 1300], 1.0);
-    let mut world = world_of(all, settings);
+    let mut world = world_of(bouncing(all, 0.0), settings);
     let wall = moving([[-0.5, -99.0], [-0.5, 99.0]], [20.0, 3.0]);
     world.set_walls(vec![wall]).expect("valid");
     world

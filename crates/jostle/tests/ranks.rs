@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{self, ThreadId};
 
 use crate::common::ranks::{ThreadRank, ranks};
-use crate::common::worlds::{boxed, inside, world_of};
+use crate::common::worlds::{bouncing, boxed, inside, world_of};
 use jostle_base::{Error, Id};
 use jostle_scenes::{STEP, find};
 use jostle_world::ranks;
@@ -134,9 +134,9 @@ fn particles_that_merge_have_the_bits_of_one_process() {
 #[test]
 fn particles_with_many_neighbours_have_the_bits_of_one_process() {
     let gravity = [0.0, 20.0];
-    let settings = WorldSettings { gravity, restitution: 0.5, ..WorldSettings::default() };
+    let settings = WorldSettings { gravity, ..WorldSettings::default() };
     // Discs over a quarter of the area, some of which move by 250 radii in a step.
-    let mut fast = gas(400);
+    let mut fast = bouncing(gas(400), 0.5);
     fast.positions.iter_mut().for_each(|at| *at = at.map(|v| 1.4 * v));
     fast.velocities.iter_mut().flatten().for_each(|v| *v *= 10.0);
     fast.velocities.iter_mut().step_by(7).flatten().for_each(|v| *v *= 101.0);
@@ -150,7 +150,7 @@ fn particles_with_many_neighbours_have_the_bits_of_one_process() {
         let angle = k as f32 * 0.045;
         [16.1 * angle.cos(), 16.1 * angle.sin()]
     };
-    let mut crowd = gas(141);
+    let mut crowd = bouncing(gas(141), 0.5);
     crowd.positions[..140].iter_mut().enumerate().for_each(|(k, at)| *at = small(k));
     (crowd.positions[140], crowd.velocities[140]) = ([0.0; 2], [1.0, -3.0]);
     crowd.radii.fill(0.36);

@@ -1,15 +1,15 @@
 //! Which contacts rest: the same rule at round walls, at the ends of walls and at flat ones.
 
 use jostle_base::Method;
-use jostle_world::{Container, Particles, Wall, World, WorldSettings};
+use jostle_world::{Container, Wall, World, WorldSettings};
 
-use crate::common::worlds::{change, discs, falling, run, walled, world_of};
+use crate::common::worlds::{bouncing, change, discs, falling, run, surface, walled, world_of};
 
 /// A disc that touches the lowest point of a round container and slides along it.
 fn sliding(speed: f32) -> World {
     let container = Container::Circle { center: [0.0; 2], radius: 1.0 };
-    let settings = WorldSettings { container, substeps: Some(1), ..falling(0.0) };
-    world_of(discs(&[([0.0, -0.5], [speed, 0.0])], 0.5), settings)
+    let settings = WorldSettings { container, substeps: Some(1), ..falling() };
+    world_of(bouncing(discs(&[([0.0, -0.5], [speed, 0.0])], 0.5), 0.0), settings)
 }
 
 /// Impacts on walls in the next step.
@@ -34,11 +34,11 @@ fn a_disc_rests_on_a_round_wall_while_the_normal_hardly_turns() {
 fn on_posts(velocity: f32) -> World {
     let post = |x: f32| Wall {
         velocity: [velocity, 0.0],
-        restitution: 0.5,
+        surface: surface(0.125),
         ..Wall::new([[x, 0.0], [x, -3.0]])
     };
-    let particles: Particles = discs(&[([0.0, 0.9], [velocity, 0.0])], 1.0);
-    walled(particles, vec![post(-0.6), post(0.6)], falling(0.5))
+    let particles = bouncing(discs(&[([0.0, 0.9], [velocity, 0.0])], 1.0), 0.5);
+    walled(particles, vec![post(-0.6), post(0.6)], falling())
 }
 
 #[test]
@@ -62,13 +62,13 @@ fn a_disc_rests_on_the_ends_of_walls_that_carry_it_however_fast() {
 /// Discs that fall onto the ends of posts, each pair of which has its own velocity.
 fn on_many_posts() -> World {
     let rows = (0..500).map(|k| ([8.0 * k as f32, 0.9], [0.0, -0.01 * k as f32]));
-    let particles = discs(&rows.collect::<Vec<_>>(), 1.0);
+    let particles = bouncing(discs(&rows.collect::<Vec<_>>(), 1.0), 0.5);
     let posts = (0..1000).map(|k| {
         let x = 8.0 * (k / 2) as f32 + if k % 2 == 0 { -0.6 } else { 0.6 };
         let velocity = [0.0, (k / 2 % 9) as f32];
-        Wall { velocity, restitution: 0.5, ..Wall::new([[x, 0.0], [x, -3.0]]) }
+        Wall { velocity, surface: surface(0.125), ..Wall::new([[x, 0.0], [x, -3.0]]) }
     });
-    walled(particles, posts.collect(), falling(0.5))
+    walled(particles, posts.collect(), falling())
 }
 
 #[test]

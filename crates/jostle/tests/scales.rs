@@ -124,7 +124,7 @@ impl Case {
             velocities: vec![velocity(-speed)],
             radii: vec![1.0],
             masses: vec![1.0],
-            restitution: vec![1.0],
+            restitution: vec![self.restitution],
             movable: vec![true],
             ..Particles::default()
         };
@@ -135,7 +135,7 @@ impl Case {
             particles.velocities.push(velocity(if is_kinematic { 0.5 * speed } else { 0.0 }));
             particles.radii.push(radius as f32);
             particles.masses.push((radius * radius) as f32);
-            particles.restitution.push(1.0);
+            particles.restitution.push(self.restitution);
             particles.movable.push(matches!(self.other, Other::Movable(_)));
         }
         let container = match self.other {
@@ -149,7 +149,6 @@ impl Case {
             _ => Container::None,
         };
         let settings = WorldSettings {
-            restitution: self.restitution,
             gravity: velocity(-self.gravity),
             container,
             substeps: Some(self.substeps),
@@ -385,11 +384,11 @@ fn lost_on_floor(pieces: &[[[f32; 2]; 2]], speed: f32, restitution: f32) -> f64 
         velocities: vec![[speed, 0.0]],
         radii: vec![1.0],
         masses: vec![1.0],
-        restitution: vec![1.0],
+        restitution: vec![restitution],
         movable: vec![true],
         ..Particles::default()
     };
-    let settings = WorldSettings { restitution, gravity: [0.0, -10.0], ..WorldSettings::default() };
+    let settings = WorldSettings { gravity: [0.0, -10.0], ..WorldSettings::default() };
     let mut world = walled(particles, pieces.iter().copied().map(Wall::new).collect(), settings);
     world.step(1.0 / 60.0, (48.0 / f64::from(speed) * 60.0) as usize).expect("steps succeed");
     let [x, y] = world.bodies().particles().unwrap().positions[0];

@@ -1,55 +1,73 @@
-//! Coefficients of restitution of the sides of the container.
+//! Coefficients of restitution and of friction of the sides of the container.
 
 use jostle_scenes::random::Random;
-use jostle_world::{Container, OnTouch, Particles, World, WorldSettings};
+use jostle_world::{Container, OnTouch, Particles, Sides, Surface, World, WorldSettings};
 
-use crate::common::worlds::{STEP, discs, inside, run, world_of};
+use crate::common::worlds::{
+    STEP, bouncing, discs, inside, run, surface, wall, with_friction, world_of,
+};
 
 const BOX: Container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
 const CIRCLE: Container = Container::Circle { center: [10.0; 2], radius: 10.0 };
 
-fn one(velocity: [f32; 2], settings: WorldSettings) -> World {
-    let disc = discs(&[([10.0; 2], velocity)], 1.0);
-    world_of(disc, settings)
+fn one(velocity: [f32; 2], restitution: f32, settings: WorldSettings) -> World {
+    world_of(bouncing(discs(&[([10.0; 2], velocity)], 1.0), restitution), settings)
 }
 
 #[test]
 fn each_side_has_its_own() {
-    let sides = [0.5, 0.25, 0.125, 0.0];
-    let base = WorldSettings { container: BOX, restitution: 0.5, ..WorldSettings::default() };
-    let settings = WorldSettings { container_restitution: sides, ..base };
+    let sides = [None, Some(0.125), Some(0.031_25), Some(0.0)];
+    let of_sides = sides.map(|restitution| Surface { restitution, friction: None });
+    let settings = WorldSettings { sides: Sides(of_sides), ..inside(BOX) };
     for (side, [x, y]) in [[-8.0, 0.0], [8.0, 0.0], [0.0, -8.0], [0.0, 8.0]].into_iter().enumerate()
     {
-        let mut world = one([x, y], settings);
+        let mut world = one([x, y], 0.5, settings);
         run(&mut world, 90);
-        let expected = [x, y].map(|v| -v * 0.5 * sides[side]);
+        let expected = [x, y].map(|v| -v * [0.5, 0.25, 0.125, 0.0][side]);
         assert_eq!(world.bodies().velocities().unwrap(), [expected]);
         assert_eq!(world.wall_contacts().unwrap().len(), 0);
     }
 }
 
+/// The floor of a box brakes a disc that slides on it, with a deceleration of μ g.
+#[test]
+fn a_side_brakes_with_the_friction_of_both() {
+    for (friction, expected) in [(None, 0.4), (Some(0.1), 0.2), (Some(0.0), 0.0)] {
+        let mut sides = Sides::default();
+        sides.0[2].friction = friction;
+        let settings = WorldSettings { sides, gravity: [0.0, -9.8], ..inside(BOX) };
+        let disc = with_friction(bouncing(discs(&[([3.0, 1.0], [6.0, 0.0])], 1.0), 0.5), 0.4);
+        let mut world = world_of(disc, settings);
+        run(&mut world, 12);
+        let braked = 6.0 - f64::from(world.bodies().velocities().unwrap()[0][0]);
+        let found = braked / (9.8 * 12.0 * STEP);
+        assert!((found - expected).abs() < 1e-3, "{friction:?}: {found}");
+    }
+}
+
 /// Discs of many sizes that fall and pass through each other.
-fn rain(settings: WorldSettings) -> World {
+fn rain(restitution: f32, settings: WorldSettings) -> World {
     let mut random = Random::new(3);
     let mut pair =
         |least: f32, most: f32| [random.between(least, most), random.between(least, most)];
     let positions = (0..200).map(|_| pair(6.0, 14.0)).collect();
     let velocities = (0..200).map(|_| pair(-5.0, 5.0)).collect();
     let radii = (0..200).map(|_| pair(0.0, 0.5)[0].max(0.1)).collect();
-    let mut all = Particles::new(positions, velocities, radii, 1.0);
+    let mut all = bouncing(Particles::new(positions, velocities, radii, 1.0), restitution);
     all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.3);
     let base = WorldSettings { on_touch: OnTouch::Ignore, gravity: [1.0, -9.8], ..settings };
     world_of(all, base)
 }
 
 #[test]
-fn equal_ones_are_like_that_of_the_world() {
+fn those_of_the_discs_are_like_none() {
     for container in [BOX, CIRCLE] {
         for restitution in [0.0, 0.3, 0.9, 1.0] {
             let base = inside(container);
-            let mut expected = rain(WorldSettings { restitution, ..base });
-            let container_restitution = [restitution; 4];
-            let mut world = rain(WorldSettings { container_restitution, ..base });
+            let mut expected = rain(restitution, base);
+            let of_discs = Surface { restitution: Some(restitution), friction: Some(0.3) };
+            let sides = Sides([of_discs; 4]);
+            let mut world = rain(restitution, WorldSettings { sides, ..base });
             for steps in [1, 20, 200] {
                 run(&mut expected, steps);
                 run(&mut world, steps);
@@ -66,10 +84,10 @@ fn equal_ones_are_like_that_of_the_world() {
 
 #[test]
 fn an_elastic_gas_cools_at_one_side_and_rests_there() {
-    let sides = [1.0, 1.0, 0.5, 1.0];
-    let gravity = [0.0, -9.8];
-    let base = WorldSettings { container: BOX, gravity, ..WorldSettings::default() };
-    let mut world = one([3.0, 0.0], WorldSettings { container_restitution: sides, ..base });
+    let mut sides = Sides::default();
+    sides.0[2] = surface(0.25);
+    let settings = WorldSettings { sides, gravity: [0.0, -9.8], ..inside(BOX) };
+    let mut world = one([3.0, 0.0], 1.0, settings);
     run(&mut world, 600);
     // The walls at its sides do not change its speed, and the floor takes what is along its normal.
     let ([[_, y]], [[u, v]]) = (
@@ -89,8 +107,10 @@ fn an_elastic_gas_cools_at_one_side_and_rests_there() {
 fn without_sides_they_change_nothing() {
     for container in [Container::None, Container::Torus { size: [20.0; 2] }] {
         let base = inside(container);
-        let worlds = [[1.0; 4], [0.5, 0.0, 1.0, 0.3]].map(|container_restitution| {
-            let mut world = rain(WorldSettings { container_restitution, ..base });
+        let rough = Surface { friction: Some(0.9), ..surface(0.3) };
+        let different = Sides([surface(0.5), surface(0.0), Surface::default(), rough]);
+        let worlds = [Sides::default(), different].map(|sides| {
+            let mut world = rain(1.0, WorldSettings { sides, ..base });
             run(&mut world, 30);
             world.state_hash().unwrap()
         });
@@ -100,15 +120,12 @@ fn without_sides_they_change_nothing() {
 
 #[test]
 fn they_outlast_new_walls_and_snapshots() {
-    let settings = WorldSettings {
-        container: BOX,
-        container_restitution: [0.2, 0.4, 0.6, 0.8],
-        ..WorldSettings::default()
-    };
-    let mut expected = rain(settings);
-    let mut world = rain(WorldSettings { container_restitution: [1.0; 4], ..settings });
+    let different = |k: f32| Surface { restitution: Some(0.2 * k), friction: Some(0.9 - 0.2 * k) };
+    let sides = Sides([1.0, 2.0, 3.0, 4.0].map(different));
+    let mut expected = rain(1.0, WorldSettings { sides, ..inside(BOX) });
+    let mut world = rain(1.0, inside(BOX));
     world.configure(*expected.settings()).unwrap();
-    world.set_walls(vec![jostle_world::Wall::new([[0.0, 0.0], [1.0, 0.0]])]).unwrap();
+    world.set_walls(vec![wall([0.0, 0.0], [1.0, 0.0])]).unwrap();
     world.set_walls(Vec::new()).unwrap();
     let mut again = World::restore(&expected.snapshot().unwrap()).unwrap();
     assert_eq!(again.settings(), expected.settings());
@@ -121,21 +138,26 @@ fn they_outlast_new_walls_and_snapshots() {
 
 #[test]
 fn wrong_ones_are_refused() {
-    let refusal = |container, container_restitution| {
-        let base = inside(container);
-        let settings = WorldSettings { container_restitution, ..base };
+    let refusal = |container, which: usize, of: Surface| {
+        let mut sides = Sides::default();
+        sides.0[which] = of;
+        let settings = WorldSettings { sides, ..inside(container) };
         World::new(Particles::default(), settings).unwrap_err().to_string()
     };
+    let rough = |friction| Surface { friction: Some(friction), ..Surface::default() };
     assert_eq!(
-        refusal(BOX, [1.0, 0.5, -0.5, 1.0]),
-        "container_restitution[2] is -0.5; it must lie between 0 and 1"
+        refusal(BOX, 2, surface(-0.5)),
+        "restitution[2] is -0.5; it must lie between 0 and 1"
     );
     assert_eq!(
-        refusal(BOX, [f32::NAN; 4]),
-        "container_restitution is NaN; it must lie between 0 and 1"
+        refusal(BOX, 0, surface(f32::NAN)),
+        "restitution[0] is NaN; it must lie between 0 and 1"
     );
-    assert_eq!(
-        refusal(CIRCLE, [1.0, 0.5, 1.0, 1.0]),
-        "container_restitution[1] is 0.5; a circle has one wall, so all four must be equal"
-    );
+    assert_eq!(refusal(BOX, 3, rough(-1.0)), "friction[3] is -1; it must be finite and at least 0");
+    for of in [surface(0.5), rough(0.5)] {
+        assert_eq!(
+            refusal(CIRCLE, 1, of),
+            "sides is side 1; a circle has one side, so all four must be equal"
+        );
+    }
 }

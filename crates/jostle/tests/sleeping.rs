@@ -8,7 +8,9 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::Thermostat;
 use jostle_world::{Container, Influence, OnTouch, Particles, Stage, Stats, World, WorldSettings};
 
-use crate::common::worlds::{STEP, boxed, change, gathered, run, still, with_friction, world_of};
+use crate::common::worlds::{
+    self, STEP, bouncing, boxed, change, gathered, run, surface, with_friction, world_of,
+};
 
 /// Polls until an interruption.
 static LEFT: AtomicI32 = AtomicI32::new(0);
@@ -16,10 +18,14 @@ static LEFT: AtomicI32 = AtomicI32::new(0);
 fn settings() -> WorldSettings {
     WorldSettings {
         gravity: [0.0, -9.8],
-        restitution: 0.3,
         container: boxed([-50.0, 0.0], [50.0, 100.0]),
         ..WorldSettings::default()
     }
+}
+
+/// Discs that lose energy, without velocities.
+fn still(positions: &[[f32; 2]], radius: f32) -> Particles {
+    bouncing(worlds::still(positions, radius), 0.3)
 }
 
 fn world(all: Particles) -> World {
@@ -130,18 +136,19 @@ fn half_a_second_of_rest_is_needed() {
 #[test]
 fn nothing_sleeps_where_nothing_rests() {
     let lone = || still(&[[0.0, 1.0], [9.0, 1.0]], 1.0);
-    let none = |changed: WorldSettings| {
-        let mut world = world_of(lone(), changed);
+    let none_of = |all: Particles, changed: WorldSettings| {
+        let mut world = world_of(all, changed);
         run(&mut world, 120);
         assert_eq!(count(&world), 0, "{changed:?}");
     };
-    none(WorldSettings { restitution: 1.0, ..settings() });
+    none_of(bouncing(lone(), 1.0), settings());
+    let none = |changed| none_of(lone(), changed);
     none(WorldSettings { gravity: [0.0; 2], ..settings() });
     none(WorldSettings { sleeping: false, ..settings() });
     none(WorldSettings { on_touch: OnTouch::Ignore, ..settings() });
     let mut elastic = lone();
     elastic.restitution = vec![1.0, 0.5];
-    let mut mixed = world_of(elastic, WorldSettings { restitution: 1.0, ..settings() });
+    let mut mixed = world(elastic);
     run(&mut mixed, 120);
     assert_eq!(mixed.bodies().asleep().unwrap(), [false, true]);
     let thermostat = Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 });
@@ -391,7 +398,7 @@ fn changes_wake() {
     let changes: [fn(&mut WorldSettings); 6] = [
         |settings| settings.gravity = [0.0, -9.0],
         |settings| settings.drag = 0.1,
-        |settings| settings.restitution = 0.2,
+        |settings| settings.sides.0[2] = surface(0.2),
         |settings| settings.sleeping = false,
         |settings| settings.on_touch = OnTouch::Ignore,
         |settings| settings.container = Container::None,
@@ -411,6 +418,13 @@ fn changes_wake() {
         run(&mut world, 10);
         assert_eq!(count(&world), 0);
     }
+    let mut world = base();
+    let change = |all: &mut Particles| {
+        all.restitution.fill(0.2);
+        Ok(())
+    };
+    world.edit(change).unwrap();
+    assert_eq!(count(&world), 0);
     let mut world = base();
     world.set_forces(vec![Influence::Thermostat(Thermostat { speed: 1.0, rate: 0.1 })]).unwrap();
     assert_eq!(count(&world), 0);

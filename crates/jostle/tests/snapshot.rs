@@ -6,7 +6,9 @@ use jostle_base::bytes::{HEAD, checksum};
 use jostle_base::{Method, Settings};
 use jostle_scenes::{SCENES, random::Random};
 use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
-use jostle_world::{Container, Influence, OnTouch, Particles, Wall, World, WorldSettings};
+use jostle_world::{
+    Container, Influence, OnTouch, Particles, Sides, Surface, Wall, World, WorldSettings,
+};
 use proptest::prelude::*;
 
 use crate::common::worlds::{boxed, forced, restored, run, still};
@@ -67,9 +69,8 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
     let settings = WorldSettings {
         gravity: [0.5, 9.0],
         drag: 0.01,
-        restitution: 0.7,
         container,
-        container_restitution: [0.9; 4],
+        sides: Sides([Surface { restitution: Some(0.9), friction: Some(0.2) }; 4]),
         on_touch,
         method: Method::Brute,
         substeps: Some(3),
@@ -216,8 +217,8 @@ static SMALL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let settings = WorldSettings { container, gravity, track_events, ..WorldSettings::default() };
     let mut world = forced(all, forces(40), settings);
     world.remove(&[5, 23]).expect("they are there");
-    let slope =
-        Wall { restitution: 0.5, friction: Some(0.3), ..Wall::new([[0.0, 6.0], [7.0, 8.0]]) };
+    let surface = Surface { restitution: Some(0.5), friction: Some(0.3) };
+    let slope = Wall { surface, ..Wall::new([[0.0, 6.0], [7.0, 8.0]]) };
     world.set_walls(vec![slope, Wall::new([[3.0, 1.0], [3.0, 5.0]])]).expect("valid");
     run(&mut world, 30);
     assert!(

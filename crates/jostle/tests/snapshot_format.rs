@@ -13,9 +13,11 @@ use jostle_world::forces::{
     Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
     Springs, ThermalWalls, Thermostat,
 };
-use jostle_world::{Changes, Defaults, Influence, Wall, World, WorldSettings};
+use jostle_world::{Changes, Influence, Sides, Surface, Wall, World, WorldSettings};
 
-use crate::common::worlds::{boxed, discs, forced, inside, moving, restored, run, still};
+use crate::common::worlds::{
+    bouncing, boxed, discs, forced, inside, moving, restored, run, still, surface,
+};
 
 fn spring(a: i64, b: i64) -> Influence {
     let (length, stiffness, damping) = (2.5, 20.0, 0.5);
@@ -32,15 +34,15 @@ fn spring(a: i64, b: i64) -> Influence {
 fn asleep() -> World {
     let mut places: Vec<[f32; 2]> = (0..6).map(|k| [2.0 + 2.5 * k as f32, 9.0]).collect();
     places.extend([[17.5, 9.25], [10.0, 2.0], [16.0, 2.0], [5.0, 3.4]]);
-    let mut all = still(&places, 1.0);
+    let mut all = bouncing(still(&places, 1.0), 0.25);
     all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.4);
     all.filters_mut()[8] = Filter { category: 2, mask: 6 };
     (all.sensors_mut()[8], all.movable[7], all.radii[6]) = (true, false, 0.75);
     all.spins_mut()[7].velocity = 0.5;
+    let rough = Surface { restitution: None, friction: Some(0.3) };
     let settings = WorldSettings {
         gravity: [0.0, 9.8],
-        restitution: 0.25,
-        container_restitution: [1.0, 0.5, 0.25, 0.125],
+        sides: Sides([Surface::default(), surface(0.5), rough, surface(0.125)]),
         track_events: true,
         ..inside(boxed([0.0; 2], [20.0, 10.0]))
     };
@@ -53,8 +55,8 @@ fn asleep() -> World {
         period: f32::INFINITY,
     };
     let mut world = forced(all, vec![spring(0, 1), Influence::Motor(motor)], settings);
-    let shelf =
-        Wall { restitution: 0.5, friction: Some(0.3), ..Wall::new([[3.0, 4.5], [7.0, 4.5]]) };
+    let surface = Surface { restitution: Some(0.5), friction: Some(0.3) };
+    let shelf = Wall { surface, ..Wall::new([[3.0, 4.5], [7.0, 4.5]]) };
     world.set_walls(vec![shelf, Wall::new([[18.0, 2.0], [19.0, 3.0]])]).expect("valid");
     world.remove(&[5]).expect("it is there");
     run(&mut world, 150);
@@ -67,9 +69,6 @@ fn asleep() -> World {
     flying.movable[1] = true;
     world.add(flying).expect("valid");
     world.add_forces(&[10], &[[0.5, -0.25]]).expect("valid");
-    let filter = Filter { category: 4, mask: 5 };
-    let defaults = Defaults { radius: Some(0.5), friction: 0.1, filter, ..Defaults::default() };
-    world.set_defaults(defaults).expect("valid");
     world.set_attachment(Some("{\"name\": \"µ\"}".to_owned()));
     run(&mut world, 20);
     world

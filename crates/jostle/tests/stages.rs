@@ -6,9 +6,11 @@ use jostle_base::Method;
 use jostle_index::Filter;
 use jostle_scenes::{self as scenes, STEP, random::Random};
 use jostle_world::forces::{Motor, Spring, Springs};
-use jostle_world::{Container, Influence, Particles, Stage, Wall, World, WorldSettings};
+use jostle_world::{Container, Influence, Particles, Stage, Surface, Wall, World, WorldSettings};
 
-use crate::common::worlds::{boxed, change, moving, run, still, walled, with_friction, world_of};
+use crate::common::worlds::{
+    bouncing, boxed, change, moving, run, still, walled, with_friction, world_of,
+};
 
 /// The steps of which stages are pinned, counted from 1.
 const STEPS: [usize; 3] = [1, 15, 60];
@@ -98,8 +100,8 @@ fn sleepers() -> World {
     let mut all = with_friction(still(&positions, 1.0), 0.5);
     all.velocities[12] = [0.4, 0.0];
     let container = boxed([-1.0, 0.0], [25.0, 20.0]);
-    let (gravity, restitution) = ([0.0, -15.0], 0.4);
-    world_of(all, WorldSettings { container, gravity, restitution, ..Default::default() })
+    let settings = WorldSettings { container, gravity: [0.0, -15.0], ..Default::default() };
+    world_of(bouncing(all, 0.4), settings)
 }
 
 /// A torus with walls that move, a driven disc, springs, sensors and discs that ignore each other.
@@ -109,7 +111,7 @@ fn belt() -> World {
     let velocities = (0..81).map(|_| [random.between(-9.0, 9.0), random.between(-9.0, 9.0)]);
     let positions = (0..81).map(place).collect();
     let mut all = Particles::new(positions, velocities.collect(), vec![1.1; 81], 1.0);
-    all.restitution.iter_mut().step_by(2).for_each(|of| *of = 0.7);
+    all.restitution.iter_mut().step_by(2).for_each(|of| *of = 0.49);
     all.filters_mut()[..20].fill(Filter { category: 2, mask: 3 });
     all.filters_mut()[20..25].fill(Filter { category: 4, mask: 4 });
     all.sensors_mut()[40] = true;
@@ -118,9 +120,10 @@ fn belt() -> World {
     let container = Container::Torus { size: [27.0; 2] };
     let (gravity, track_events) = ([0.0, -3.0], true);
     let settings = WorldSettings { container, gravity, track_events, ..Default::default() };
-    let belt = moving([[1.4, 1.4], [6.0, 1.4]], [4.0, 1.0]);
-    let slope =
-        Wall { restitution: 0.5, friction: Some(0.8), ..Wall::new([[10.0, 13.6], [20.0, 14.0]]) };
+    let mut belt = moving([[1.4, 1.4], [6.0, 1.4]], [4.0, 1.0]);
+    belt.surface.restitution = Some(1.0);
+    let surface = Surface { restitution: Some(0.25), friction: Some(0.8) };
+    let slope = Wall { surface, ..Wall::new([[10.0, 13.6], [20.0, 14.0]]) };
     let mut world = walled(all, vec![belt, slope], settings);
     let spring = |pair| Spring {
         pair,

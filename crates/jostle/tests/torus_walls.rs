@@ -4,15 +4,14 @@ use jostle_base::Method;
 use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
-use crate::common::worlds::{Row, STEP, discs, gathered, run, walled, world_of};
+use crate::common::worlds::{Row, STEP, bouncing, discs, gathered, run, walled, world_of};
 
 fn on(size: [f32; 2], settings: WorldSettings) -> WorldSettings {
     WorldSettings { container: Container::Torus { size }, ..settings }
 }
 
-fn falling(restitution: f32) -> WorldSettings {
-    let sleeping = false;
-    WorldSettings { gravity: [0.0, -9.8], restitution, sleeping, ..WorldSettings::default() }
+fn falling() -> WorldSettings {
+    WorldSettings { gravity: [0.0, -9.8], sleeping: false, ..WorldSettings::default() }
 }
 
 /// The minimum image of the difference of two positions.
@@ -28,10 +27,11 @@ fn both(
     rows: &[Row],
     walls: &[Wall],
     (size, copies): ([f32; 2], i32),
-    radius: f32,
+    (radius, restitution): (f32, f32),
     settings: WorldSettings,
 ) -> [World; 2] {
-    let torus = walled(discs(rows, radius), walls.to_vec(), on(size, settings));
+    let discs = |rows| bouncing(discs(rows, radius), restitution);
+    let torus = walled(discs(rows), walls.to_vec(), on(size, settings));
     let tiles = (-copies..=copies).flat_map(|x| (-copies..=copies).map(move |y| [x, y]));
     // Those of the middle first.
     let tiles = std::iter::once([0, 0]).chain(tiles.filter(|tile| *tile != [0, 0]));
@@ -41,7 +41,7 @@ fn both(
         all_rows.extend(rows.iter().map(|&(at, velocity)| (moved(at), velocity)));
         all_walls.extend(walls.iter().map(|wall| Wall { ends: wall.ends.map(moved), ..*wall }));
     }
-    [torus, walled(discs(&all_rows, radius), all_walls, settings)]
+    [torus, walled(discs(&all_rows), all_walls, settings)]
 }
 
 /// Refuses discs of the two that differ, or do not move alike.
@@ -116,9 +116,9 @@ fn they_act_as_copies_in_the_plane() {
             rows[0].1 = rows[0].1.map(|v| 200.0 * v);
         }
         for (gravity, restitution) in [(0.0, 1.0), (0.0, 0.6), (-9.8, 1.0), (-9.8, 0.3)] {
-            let settings = WorldSettings { gravity: [0.0, gravity], ..falling(restitution) };
+            let settings = WorldSettings { gravity: [0.0, gravity], ..falling() };
             let copies = if seed % 4 == 3 { 8 } else { 2 };
-            let mut worlds = both(&rows, &walls, (size, copies), 0.8, settings);
+            let mut worlds = both(&rows, &walls, (size, copies), (0.8, restitution), settings);
             for step in 0..if seed % 4 == 3 { 1 } else { 12 } {
                 worlds.iter_mut().for_each(|world| run(world, 1));
                 let name = format!("seed {seed} g {gravity} e {restitution} step {step}");
@@ -136,8 +136,8 @@ fn a_disc_rolls_over_the_boundary_without_a_bump() {
     let several = [0.0, 7.0, 19.0, 30.0].windows(2).map(|x| Wall::new([[x[0], 5.0], [x[1], 5.0]]));
     for (name, walls) in [("one", one), ("shifted", shifted), ("several", several.collect())] {
         for (restitution, speed) in [(1.0, 3.0), (0.5, 17.0), (0.0, 400.0)] {
-            let disc = discs(&[([0.1, 6.0], [speed, 0.0])], 1.0);
-            let mut world = walled(disc, walls.clone(), on(size, falling(restitution)));
+            let disc = bouncing(discs(&[([0.1, 6.0], [speed, 0.0])], 1.0), restitution);
+            let mut world = walled(disc, walls.clone(), on(size, falling()));
             for step in 0..120 {
                 run(&mut world, 1);
                 let ([_, y], [u, v]) = (
@@ -159,15 +159,15 @@ fn a_disc_may_touch_two_images_of_a_wall() {
     let walls = [Wall::new([[2.0, 3.0], [8.0, 3.0]])];
     for (x, restitution) in [(0.0, 1.0), (0.0, 0.5), (0.3, 1.0), (0.3, 0.5), (0.3, 0.0)] {
         for gravity in [0.0, -9.8] {
-            let settings = WorldSettings { gravity: [0.0, gravity], ..falling(restitution) };
+            let settings = WorldSettings { gravity: [0.0, gravity], ..falling() };
             let rows = [([x, 7.0], [0.0, -6.0])];
-            let mut worlds = both(&rows, &walls, (size, 1), 2.5, settings);
+            let mut worlds = both(&rows, &walls, (size, 1), (2.5, restitution), settings);
             worlds.iter_mut().for_each(|world| run(world, 60));
             check(&worlds, 1, size, 2e-3, &format!("{x} {restitution} {gravity}"));
         }
     }
-    let mut rests =
-        walled(discs(&[([0.3, 7.0], [0.0; 2])], 2.5), walls.to_vec(), on(size, falling(0.3)));
+    let disc = bouncing(discs(&[([0.3, 7.0], [0.0; 2])], 2.5), 0.3);
+    let mut rests = walled(disc, walls.to_vec(), on(size, falling()));
     run(&mut rests, 900);
     let [x, y] = rests.bodies().positions().unwrap()[0];
     let x = difference([[0.0; 2], [x, y]], size)[0];
@@ -190,8 +190,9 @@ fn nothing_leaves_a_polygon_at_the_boundary() {
                 (at, [speed * angle.cos(), speed * angle.sin()])
             })
             .collect();
-        let settings = WorldSettings { gravity: [0.0, gravity], ..falling(restitution) };
-        let mut world = walled(discs(&rows, 0.4), walls.clone(), on(size, settings));
+        let settings = WorldSettings { gravity: [0.0, gravity], ..falling() };
+        let mut world =
+            walled(bouncing(discs(&rows, 0.4), restitution), walls.clone(), on(size, settings));
         let before = world.kinetic_energy();
         for step in 0..100 {
             run(&mut world, 1);
@@ -212,7 +213,11 @@ fn nothing_leaves_a_polygon_at_the_boundary() {
 }
 
 /// Many discs among walls at random.
-fn crowd(count: usize, settings: WorldSettings, order: Option<&[u32]>) -> World {
+fn crowd(
+    (count, restitution): (usize, f32),
+    settings: WorldSettings,
+    order: Option<&[u32]>,
+) -> World {
     let mut random = Random::new(8);
     let side = (count as f32).sqrt() * 3.0;
     let mut point = |low: f32, high: f32| [random.between(low, high), random.between(low, high)];
@@ -223,7 +228,7 @@ fn crowd(count: usize, settings: WorldSettings, order: Option<&[u32]>) -> World 
         Wall { velocity: moving, ..Wall::new([a, [a[0] + by[0], a[1] - by[1]]]) }
     });
     let walls = walls.collect();
-    let (straight, mut all) = (discs(&rows, 0.9), Particles::default());
+    let (straight, mut all) = (bouncing(discs(&rows, 0.9), restitution), Particles::default());
     let own: Vec<u32> = (0..count as u32).collect();
     all.gather(&straight, order.unwrap_or(&own), None);
     walled(all, walls, on([side; 2], settings))
@@ -231,10 +236,11 @@ fn crowd(count: usize, settings: WorldSettings, order: Option<&[u32]>) -> World 
 
 #[test]
 fn they_do_not_show_how_they_are_computed() {
-    for settings in [falling(0.5), WorldSettings::default()] {
-        let mut expected = crowd(300, settings, None);
+    for (restitution, settings) in [(0.5, falling()), (1.0, WorldSettings::default())] {
+        let mut expected = crowd((300, restitution), settings, None);
         run(&mut expected, 40);
-        let mut brute = crowd(300, WorldSettings { method: Method::Brute, ..settings }, None);
+        let mut brute =
+            crowd((300, restitution), WorldSettings { method: Method::Brute, ..settings }, None);
         run(&mut brute, 40);
         assert_eq!(brute.state_hash().unwrap(), expected.state_hash().unwrap(), "brute force");
         assert_eq!(
@@ -242,13 +248,13 @@ fn they_do_not_show_how_they_are_computed() {
             expected.wall_contacts().unwrap(),
             "brute force"
         );
-        let mut half = crowd(300, settings, None);
+        let mut half = crowd((300, restitution), settings, None);
         run(&mut half, 20);
         let mut half = World::restore(&half.snapshot().unwrap()).expect("valid");
         run(&mut half, 20);
         assert_eq!(half.snapshot().unwrap(), expected.snapshot().unwrap(), "a snapshot");
         let order: Vec<u32> = (0..300).map(|k| (k * 77 + 5) % 300).collect();
-        let mut mixed = crowd(300, settings, Some(&order));
+        let mut mixed = crowd((300, restitution), settings, Some(&order));
         run(&mut mixed, 40);
         let particles = gathered(&expected.bodies().particles().unwrap(), &order);
         assert!(mixed.bodies().particles().unwrap() == particles, "the order of adding");
@@ -257,11 +263,11 @@ fn they_do_not_show_how_they_are_computed() {
 
 #[test]
 fn threads_do_not_show_in_them() {
-    for settings in [falling(0.5), WorldSettings::default()] {
+    for (restitution, settings) in [(0.5, falling()), (1.0, WorldSettings::default())] {
         let found = [1, 2, 3].map(|threads| {
             let mut settings = settings;
             settings.tree.threads = Some(threads);
-            let mut world = crowd(12_000, settings, None);
+            let mut world = crowd((12_000, restitution), settings, None);
             run(&mut world, 2);
             (world.state_hash().unwrap(), world.wall_contacts().unwrap())
         });

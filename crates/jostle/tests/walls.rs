@@ -2,11 +2,12 @@
 
 use jostle_base::Method;
 use jostle_scenes::random::Random;
-use jostle_world::{Wall, World, WorldSettings};
+use jostle_world::{Surface, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 use crate::common::worlds::{
-    STEP, boxed, chain, closed, discs, falling, gathered, run, wall, walled, world_of,
+    STEP, bouncing, boxed, chain, closed, discs, falling, gathered, run, surface, wall, walled,
+    world_of,
 };
 
 fn distance([[ax, ay], [bx, by]]: [[f32; 2]; 2], [x, y]: [f32; 2]) -> f64 {
@@ -76,8 +77,8 @@ fn a_polygon_under_gravity_is_a_box() {
         .collect();
     let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 9.0], [0.0, 9.0]];
     let container = boxed([0.0; 2], [10.0, 9.0]);
-    let mut boxed = world_of(discs(&rows, 1.0), WorldSettings { container, ..falling(1.0) });
-    let mut walled = walled(discs(&rows, 1.0), closed(&corners), falling(1.0));
+    let mut boxed = world_of(discs(&rows, 1.0), WorldSettings { container, ..falling() });
+    let mut walled = walled(discs(&rows, 1.0), closed(&corners), falling());
     run(&mut boxed, 20);
     run(&mut walled, 20);
     for (a, b) in
@@ -93,7 +94,7 @@ fn energy_is_conserved_under_gravity() {
     let rows: Vec<_> = (0..20)
         .map(|k| ([(k % 5) as f32 * 2.5 + 4.0, (k / 5) as f32 * 2.2 + 2.0], [k as f32 - 9.0, 3.0]))
         .collect();
-    let mut world = walled(discs(&rows, 1.0), closed(&corners), falling(1.0));
+    let mut world = walled(discs(&rows, 1.0), closed(&corners), falling());
     let energy = |world: &World| world.kinetic_energy() + world.potential_energy().unwrap();
     let before = energy(&world);
     run(&mut world, 600);
@@ -107,11 +108,11 @@ fn a_disc_rolls_over_joints_without_a_bump() {
     let points: Vec<[f32; 2]> = (0..=50).map(|k| [k as f32 * 0.73, 0.0]).collect();
     for (restitution, friction) in [(1.0, 0.0), (1.0, 0.5), (0.5, 0.0), (0.5, 0.5)] {
         for speed in [0.5, 3.0, 17.0, 200.0] {
-            let mut disc = discs(&[([0.1, 1.0], [speed, 0.0])], 1.0);
+            let mut disc = bouncing(discs(&[([0.1, 1.0], [speed, 0.0])], 1.0), restitution);
             for spin in disc.spins_mut() {
                 (spin.friction, spin.velocity) = (friction, -speed);
             }
-            let mut world = walled(disc, chain(&points), falling(restitution));
+            let mut world = walled(disc, chain(&points), falling());
             let steps = (34.0 / speed / STEP as f32) as usize;
             for step in 0..steps {
                 run(&mut world, 1);
@@ -133,8 +134,8 @@ fn a_disc_rests_in_an_inner_corner() {
         for (a, b) in
             [([-5.0, 5.0], [5.0, 5.0]), ([-2.0, 9.0], [2.0, 9.0]), ([-30.0, 15.0], [4.0, 8.0])]
         {
-            let disc = discs(&[([0.3, 6.0], [1.0, 0.0])], 0.5);
-            let mut world = walled(disc, chain(&[a, [0.0, 0.0], b]), falling(restitution));
+            let disc = bouncing(discs(&[([0.3, 6.0], [1.0, 0.0])], 0.5), restitution);
+            let mut world = walled(disc, chain(&[a, [0.0, 0.0], b]), falling());
             run(&mut world, 3000);
             let [u, v] = world.bodies().velocities().unwrap()[0];
             assert!((u * u + v * v).sqrt() < 1e-2, "{a:?} {restitution}: {u} {v}");
@@ -154,7 +155,8 @@ fn a_disc_rests_in_an_inner_corner() {
 #[test]
 fn a_disc_that_slides_into_an_inner_corner_neither_sticks_nor_hops() {
     let walls = chain(&[[-20.0, 0.0], [0.0, 0.0], [20.0, 5.0]]);
-    let mut world = walled(discs(&[([-5.0, 1.0], [6.0, 0.0])], 1.0), walls, falling(0.3));
+    let disc = bouncing(discs(&[([-5.0, 1.0], [6.0, 0.0])], 1.0), 0.3);
+    let mut world = walled(disc, walls, falling());
     let mut highest = f64::MIN;
     for _ in 0..150 {
         run(&mut world, 1);
@@ -185,8 +187,8 @@ fn a_pile_on_walls_weighs_what_it_weighs() {
     let floor: Vec<[f32; 2]> = (0..=30).map(|k| [k as f32 * 0.7, 0.0]).collect();
     let mut walls = chain(&floor);
     walls.extend([wall([0.0, 0.0], [0.0, 50.0]), wall([21.0, 0.0], [21.0, 50.0])]);
-    let settings = WorldSettings { sleeping: false, ..falling(0.3) };
-    let mut world = walled(discs(&rows, 1.0), walls, settings);
+    let settings = WorldSettings { sleeping: false, ..falling() };
+    let mut world = walled(bouncing(discs(&rows, 1.0), 0.3), walls, settings);
     run(&mut world, 600);
     let mut sum = 0.0;
     for _ in 0..30 {
@@ -204,7 +206,7 @@ fn a_pile_on_walls_weighs_what_it_weighs() {
 fn discs_sleep_on_walls_and_wake_when_these_change() {
     let rows = [([0.0, 1.0], [0.0; 2]), ([2.0, 1.0], [0.0; 2])];
     let walls = chain(&[[-5.0, 0.0], [1.0, 0.0], [8.0, 0.0]]);
-    let mut world = walled(discs(&rows, 1.0), walls.clone(), falling(0.5));
+    let mut world = walled(bouncing(discs(&rows, 1.0), 0.5), walls.clone(), falling());
     run(&mut world, 120);
     assert_eq!(world.bodies().asleep().unwrap(), [true, true]);
     assert_eq!(world.wall_contacts().unwrap().len(), 2);
@@ -227,19 +229,20 @@ fn discs_sleep_on_walls_and_wake_when_these_change() {
 fn walls_bounce_and_brake_with_their_own_coefficients() {
     let drop = |restitution| {
         let mut of = wall([-9.0, 0.0], [9.0, 0.0]);
-        of.restitution = restitution;
+        of.surface.restitution = restitution;
         let mut world =
             walled(discs(&[([0.0, 2.0], [0.0, -6.0])], 1.0), vec![of], WorldSettings::default());
         run(&mut world, 30);
         world.bodies().velocities().unwrap()[0][1]
     };
-    assert_eq!([1.0, 0.5, 0.0].map(drop), [6.0, 3.0, 0.0]);
+    let restitution = [None, Some(1.0), Some(0.25), Some(0.0)];
+    assert_eq!(restitution.map(drop), [6.0, 6.0, 3.0, 0.0]);
     let slide = |friction| {
         let mut of = wall([-9.0, 0.0], [90.0, 0.0]);
-        of.friction = friction;
-        let mut disc = discs(&[([0.0, 1.0], [6.0, 0.0])], 1.0);
+        of.surface.friction = friction;
+        let mut disc = bouncing(discs(&[([0.0, 1.0], [6.0, 0.0])], 1.0), 0.5);
         disc.spins_mut()[0].friction = 0.4;
-        let mut world = walled(disc, vec![of], falling(0.5));
+        let mut world = walled(disc, vec![of], falling());
         run(&mut world, 12);
         f64::from(world.bodies().velocities().unwrap()[0][0])
     };
@@ -285,8 +288,9 @@ fn points_do_not_cross_walls() {
     points.radii.fill(0.0);
     let corners = [[-5.0, -5.0], [6.0, -5.0], [0.0, 0.0], [5.0, 7.0], [-5.0, 5.0]];
     let outside = rows.iter().filter(|row| !is_inside(&corners, row.0)).count();
-    for settings in [WorldSettings::default(), falling(0.4)] {
-        let mut world = walled(points.clone(), closed(&corners), settings);
+    for (restitution, settings) in [(1.0, WorldSettings::default()), (0.4, falling())] {
+        let points = bouncing(points.clone(), restitution);
+        let mut world = walled(points, closed(&corners), settings);
         run(&mut world, 200);
         let left = world
             .bodies()
@@ -302,7 +306,7 @@ fn points_do_not_cross_walls() {
 #[test]
 fn invalid_walls_are_refused() {
     let refusal = |walls: Vec<Wall>| {
-        let mut world = walled(discs(&[([0.0; 2], [0.0; 2])], 1.0), vec![], falling(1.0));
+        let mut world = walled(discs(&[([0.0; 2], [0.0; 2])], 1.0), vec![], falling());
         world.set_walls(walls).expect_err("they are invalid").to_string()
     };
     let good = wall([0.0, 0.0], [1.0, 0.0]);
@@ -315,17 +319,18 @@ fn invalid_walls_are_refused() {
         "walls[0] is ((2, NaN), (2, 1)); its coordinates must be finite and at most 1e18"
     );
     assert_eq!(
-        refusal(vec![good, Wall { restitution: 2.0, ..good }]),
+        refusal(vec![good, Wall { surface: surface(2.0), ..good }]),
         "wall_restitution[1] is 2; it must lie between 0 and 1"
     );
+    let surface = Surface { friction: Some(-1.0), ..Surface::default() };
     assert_eq!(
-        refusal(vec![Wall { friction: Some(-1.0), ..good }]),
+        refusal(vec![Wall { surface, ..good }]),
         "wall_friction[0] is -1; it must be finite and at least 0"
     );
 }
 
 /// Many discs among random walls.
-fn crowd(count: usize, seed: u64, settings: WorldSettings) -> World {
+fn crowd((count, restitution): (usize, f32), seed: u64, settings: WorldSettings) -> World {
     let mut random = Random::new(seed);
     let side = (count as f32).sqrt() * 3.0;
     let rows: Vec<_> = (0..count)
@@ -339,24 +344,25 @@ fn crowd(count: usize, seed: u64, settings: WorldSettings) -> World {
     let walls = (0..count / 4)
         .map(|_| {
             let [x, y] = [random.between(0.0, side), random.between(0.0, side)];
-            Wall {
-                friction: Some(0.5),
-                ..wall([x, y], [x + random.between(-4.0, 4.0), y + random.between(0.5, 4.0)])
-            }
+            let mut of =
+                wall([x, y], [x + random.between(-4.0, 4.0), y + random.between(0.5, 4.0)]);
+            of.surface.friction = Some(0.5);
+            of
         })
         .collect();
     let container = boxed([-1.0; 2], [side + 1.0; 2]);
-    let mut all = discs(&rows, 0.9);
+    let mut all = bouncing(discs(&rows, 0.9), restitution);
     all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.4);
     walled(all, walls, WorldSettings { container, ..settings })
 }
 
 #[test]
 fn walls_do_not_show_how_they_are_computed() {
-    for settings in [falling(0.5), WorldSettings::default()] {
-        let mut expected = crowd(400, 1, settings);
+    for (restitution, settings) in [(0.5, falling()), (1.0, WorldSettings::default())] {
+        let mut expected = crowd((400, restitution), 1, settings);
         run(&mut expected, 60);
-        let mut brute = crowd(400, 1, WorldSettings { method: Method::Brute, ..settings });
+        let mut brute =
+            crowd((400, restitution), 1, WorldSettings { method: Method::Brute, ..settings });
         run(&mut brute, 60);
         assert_eq!(brute.state_hash().unwrap(), expected.state_hash().unwrap(), "brute force");
         assert_eq!(
@@ -364,13 +370,13 @@ fn walls_do_not_show_how_they_are_computed() {
             expected.wall_contacts().unwrap(),
             "brute force"
         );
-        let mut half = crowd(400, 1, settings);
+        let mut half = crowd((400, restitution), 1, settings);
         run(&mut half, 30);
         let mut half = World::restore(&half.snapshot().unwrap()).expect("valid");
         run(&mut half, 30);
         assert_eq!(half.state_hash().unwrap(), expected.state_hash().unwrap(), "a snapshot");
         assert_eq!(half.snapshot().unwrap(), expected.snapshot().unwrap(), "a snapshot");
-        let straight = crowd(400, 1, settings);
+        let straight = crowd((400, restitution), 1, settings);
         let order: Vec<u32> = (0..400).map(|k| (k * 171 + 5) % 400).collect();
         let particles = gathered(&straight.bodies().particles().unwrap(), &order);
         let mut mixed = walled(particles, straight.walls().to_vec(), *straight.settings());
@@ -382,11 +388,11 @@ fn walls_do_not_show_how_they_are_computed() {
 
 #[test]
 fn threads_do_not_show_in_walls() {
-    for settings in [falling(0.5), WorldSettings::default()] {
+    for (restitution, settings) in [(0.5, falling()), (1.0, WorldSettings::default())] {
         let hashes = [1, 2, 3].map(|threads| {
             let mut settings = settings;
             settings.tree.threads = Some(threads);
-            let mut world = crowd(15_000, 2, settings);
+            let mut world = crowd((15_000, restitution), 2, settings);
             run(&mut world, 3);
             (world.state_hash().unwrap(), world.wall_contacts().unwrap())
         });
@@ -432,8 +438,8 @@ fn enclosed(seed: u64) -> (World, Vec<[f32; 2]>) {
     }
     let gravity = if random.unit() < 0.5 { [0.0; 2] } else { [0.0, -9.8] };
     let restitution = if random.unit() < 0.5 { 1.0 } else { random.unit() };
-    let settings = WorldSettings { gravity, restitution, ..WorldSettings::default() };
-    (walled(discs(&rows, radius), sides, settings), points)
+    let settings = WorldSettings { gravity, ..WorldSettings::default() };
+    (walled(bouncing(discs(&rows, radius), restitution), sides, settings), points)
 }
 
 /// What is wrong in some steps of [`enclosed`], or nothing.
@@ -518,13 +524,13 @@ fn a_disc_without_room_between_walls_gains_no_energy() {
                 let container = boxed([-20.0, -1.5], [20.0, 20.0]);
                 let settings = WorldSettings {
                     container,
-                    restitution,
                     gravity: [0.0, gravity],
                     ..WorldSettings::default()
                 };
                 let mut rows = vec![([1.0, -0.5], velocity), ([4.0, -0.4], [-1.0, 0.0])];
                 rows.extend((0..6).map(|at| ([at as f32 * 2.1 - 5.0, 3.0], [0.0; 2])));
-                let mut world = walled(discs(&rows, 1.0), walls.clone(), settings);
+                let discs = bouncing(discs(&rows, 1.0), restitution);
+                let mut world = walled(discs, walls.clone(), settings);
                 let energy =
                     |world: &World| world.kinetic_energy() + world.potential_energy().unwrap();
                 let before = energy(&world);
@@ -611,9 +617,10 @@ impl Star {
                 is_inside(&points, *at) && sides.iter().all(is_free)
             })
             .collect();
-        let (gravity, restitution) = ([0.0, if self.falls { -9.8 } else { 0.0 }], self.restitution);
-        let settings = WorldSettings { restitution, gravity, ..WorldSettings::default() };
-        let mut world = walled(discs(&rows, radius), sides.clone(), settings);
+        let gravity = [0.0, if self.falls { -9.8 } else { 0.0 }];
+        let settings = WorldSettings { gravity, ..WorldSettings::default() };
+        let discs = bouncing(discs(&rows, radius), self.restitution);
+        let mut world = walled(discs, sides.clone(), settings);
         for step in 0..12 {
             run(&mut world, 1);
             for at in world.bodies().positions().unwrap() {

@@ -31,7 +31,7 @@ pub struct Start {
     pub walls: [f32; 4],
     /// Acceleration of everything.
     pub gravity: [f32; 2],
-    /// Coefficient of restitution.
+    /// Coefficient of restitution of all discs.
     pub restitution: f32,
     /// Sub-steps of a step, the same for all.
     pub substeps: usize,
@@ -58,7 +58,7 @@ impl Start {
             radii: bodies.radii().expect("memory"),
             walls: [min[0], min[1], max[0], max[1]],
             gravity: settings.gravity,
-            restitution: settings.restitution,
+            restitution: bodies.restitution().expect("memory")[0],
             substeps: substeps.unwrap_or(world.substeps()),
         }
     }

@@ -15,14 +15,15 @@ impl Ours {
         let [min_x, min_y, max_x, max_y] = start.walls;
         let settings = WorldSettings {
             gravity: start.gravity,
-            restitution: start.restitution,
             container: Container::Box { min: [min_x, min_y], max: [max_x, max_y] },
             substeps: Some(start.substeps),
             sleeping: false,
             tree: Settings { threads: Some(workers), ..Settings::default() },
             ..WorldSettings::default()
         };
-        let discs = Particles::new(positions.clone(), velocities.clone(), radii.clone(), 1.0);
+        let mut discs =
+            Particles::new(positions.clone(), velocities.clone(), radii.clone(), 1.0);
+        discs.restitution.fill(start.restitution);
         Self(World::new(discs, settings).expect("a valid start"))
     }
 }

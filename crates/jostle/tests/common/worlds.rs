@@ -2,7 +2,7 @@
 
 pub use jostle_scenes::STEP;
 use jostle_scenes::random::Random;
-use jostle_world::{Container, Influence, Particles, Wall, World, WorldSettings};
+use jostle_world::{Container, Influence, Particles, Surface, Wall, World, WorldSettings};
 
 /// Position and velocity of a disc.
 pub type Row = ([f32; 2], [f32; 2]);
@@ -25,6 +25,12 @@ pub fn with_friction(mut all: Particles, friction: f32) -> Particles {
     all
 }
 
+/// The particles with one coefficient of restitution.
+pub fn bouncing(mut all: Particles, restitution: f32) -> Particles {
+    all.restitution.fill(restitution);
+    all
+}
+
 /// The rows `order` of some particles.
 pub fn gathered(all: &Particles, order: &[u32]) -> Particles {
     let mut some = Particles::default();
@@ -40,6 +46,11 @@ pub fn shuffled(len: usize, seed: u64) -> Vec<u32> {
         order.swap(last, random.whole(0, last as u32) as usize);
     }
     order
+}
+
+/// A surface with a coefficient of restitution, and the friction of the discs.
+pub fn surface(restitution: f32) -> Surface {
+    Surface { restitution: Some(restitution), friction: None }
 }
 
 /// A wall between two points.
@@ -75,8 +86,8 @@ pub fn inside(container: Container) -> WorldSettings {
 }
 
 /// Settings with gravity towards −y.
-pub fn falling(restitution: f32) -> WorldSettings {
-    WorldSettings { gravity: [0.0, -9.8], restitution, ..WorldSettings::default() }
+pub fn falling() -> WorldSettings {
+    WorldSettings { gravity: [0.0, -9.8], ..WorldSettings::default() }
 }
 
 /// A world of particles and settings that are valid.

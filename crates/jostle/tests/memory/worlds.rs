@@ -58,10 +58,10 @@ fn stars_on_torus() -> World {
 fn sleeping() -> World {
     let mut all: Vec<[f32; 2]> = (0..LEN).map(|k| [k as f32 * 2.5, 1.0]).collect();
     all.iter_mut().step_by(100).for_each(|position| position[1] = 7.5);
-    let discs = Particles::new(all, vec![[0.0; 2]; LEN], vec![1.0; LEN], 1.0);
+    let mut discs = Particles::new(all, vec![[0.0; 2]; LEN], vec![1.0; LEN], 1.0);
+    discs.restitution.fill(0.3);
     let container = Container::Box { min: [-50.0, 0.0], max: [2.6 * LEN as f32, 100.0] };
-    let settings =
-        WorldSettings { gravity: [0.0, -9.8], restitution: 0.3, container, ..Default::default() };
+    let settings = WorldSettings { gravity: [0.0, -9.8], container, ..Default::default() };
     World::new(discs, settings).unwrap()
 }
 

@@ -41,9 +41,8 @@ impl Case for RanksCase {
         let all = if sleeps { draw_resting(draw, 6) } else { draw_particles(draw, 30) };
         if sleeps {
             let (gravity, container) = ([0.0, -9.8], boxed([0.0; 2], [10.0; 2]));
-            let (restitution, sleeping, on_touch) = (0.3, true, OnTouch::Bounce);
-            settings =
-                WorldSettings { gravity, container, restitution, sleeping, on_touch, ..settings };
+            let (sleeping, on_touch) = (true, OnTouch::Bounce);
+            settings = WorldSettings { gravity, container, sleeping, on_touch, ..settings };
         }
         let size = draw.pick(&[2, 2, 3]);
         draw.say("new", (size, settings, &all));
@@ -147,7 +146,7 @@ impl RanksCase {
     fn set(&mut self, draw: &mut Draw) {
         let ids = draw.subset(&self.whole.bodies().ids().unwrap(), 5);
         let (which, new) =
-            (draw.below(4), ids.iter().map(|_| draw_particle(draw)).collect::<Vec<_>>());
+            (draw.below(5), ids.iter().map(|_| draw_particle(draw)).collect::<Vec<_>>());
         draw.say("set", (&ids, which, &new));
         let changes = move |rows: &[usize]| {
             let mut changes = Changes::default();
@@ -161,6 +160,7 @@ impl RanksCase {
                 0 => changes.positions = vectors(|one| one.positions[0]),
                 1 => changes.velocities = vectors(|one| one.velocities[0]),
                 2 => changes.radii = numbers(|one| one.radii[0]),
+                3 => changes.restitution = numbers(|one| one.restitution[0]),
                 _ => changes.friction = numbers(|one| one.spin(0).friction),
             }
             changes
@@ -227,7 +227,7 @@ impl RanksCase {
     fn configure(&mut self, draw: &mut Draw) {
         let new = draw_settings(draw);
         let mut settings = *self.whole.settings();
-        (settings.gravity, settings.restitution) = (new.gravity, new.restitution);
+        (settings.gravity, settings.sides) = (new.gravity, new.sides);
         (settings.drag, settings.sleeping) = (new.drag, new.sleeping);
         draw.say("configure", settings);
         self.each(move |world| {

@@ -17,11 +17,12 @@ use jostle_world::forces::{
     Springs, ThermalWalls, Thermostat,
 };
 use jostle_world::{
-    Changes, Container, Influence, OnTouch, Particles, Spin, Wall, World, WorldSettings,
+    Changes, Container, Influence, OnTouch, Particles, Sides, Spin, Surface, Wall, World,
+    WorldSettings,
 };
 
 use super::driver::{Case, Draw, run};
-use crate::common::worlds::{boxed, still, with_friction};
+use crate::common::worlds::{bouncing, boxed, still, surface, with_friction};
 use crate::events::touching_by_brute_force;
 
 thread_local! {
@@ -292,7 +293,7 @@ impl WorldCase {
         match draw.below(8) {
             0 => settings.gravity = new.gravity,
             1 => settings.container = new.container,
-            2 => settings.restitution = new.restitution,
+            2 => settings.sides = new.sides,
             3 => settings.on_touch = new.on_touch,
             4 => settings.drag = new.drag,
             5 => settings.substeps = new.substeps,
@@ -351,7 +352,7 @@ impl WorldCase {
         });
         self.refused(|world| world.set_accelerations(vec![[bad, 0.0]; own.len() + 1]));
         self.refused(|world| {
-            world.configure(WorldSettings { restitution: bad, ..*world.settings() })
+            world.configure(WorldSettings { sides: Sides([surface(bad); 4]), ..*world.settings() })
         });
         if !own.is_empty() {
             let positions = Some(Each::One([0.0, bad]));
@@ -498,8 +499,7 @@ pub fn draw_settings(draw: &mut Draw) -> WorldSettings {
     let settings = WorldSettings {
         gravity: [0.0, -9.8],
         drag: draw.pick(&[0.0, 0.0, 0.5, 30.0]),
-        restitution: draw.pick(&[0.5, 0.3, 0.0]),
-        container_restitution: [draw.pick(&[1.0, 0.6]); 4],
+        sides: Sides([draw_surface(draw); 4]),
         track_events: draw.one_in(2),
         ..WorldSettings::default()
     };
@@ -509,7 +509,6 @@ pub fn draw_settings(draw: &mut Draw) -> WorldSettings {
     }
     WorldSettings {
         gravity: draw.pick(&[[0.0; 2], [0.0, -9.8], [3.0, 1.0]]),
-        restitution: draw.pick(&[1.0, 0.5]),
         container,
         on_touch: draw.pick(&[OnTouch::Bounce, OnTouch::Merge, OnTouch::Ignore]),
         substeps: draw.pick(&[None, None, Some(1), Some(3)]),
@@ -522,16 +521,20 @@ pub fn draw_settings(draw: &mut Draw) -> WorldSettings {
 pub fn draw_resting(draw: &mut Draw, most: usize) -> Particles {
     let (apart, count) = (draw.pick(&[1.0, 1.0, 1.5]), 1 + draw.below(most));
     let row: Vec<[f32; 2]> = (0..count).map(|k| [apart * k as f32 + 0.5, 0.5]).collect();
-    with_friction(still(&row, 0.5), draw.pick(&[0.0, 0.5]))
+    with_friction(bouncing(still(&row, 0.5), 0.3), draw.pick(&[0.0, 0.5]))
 }
 
 /// Discs on a lattice or anywhere, also one at the place of another; or discs that rest on a floor.
+/// Some of the first kind all keep their energy.
 pub fn draw_particles(draw: &mut Draw, most: usize) -> Particles {
     if most > 0 && draw.one_in(3) {
         return draw_resting(draw, most.min(6));
     }
     let mut all = Particles::default();
     draw.some(most, draw_particle).iter().for_each(|one| all.extend(one));
+    if draw.one_in(4) {
+        all = bouncing(all, 1.0);
+    }
     all.simplify();
     all
 }
@@ -552,7 +555,7 @@ pub fn draw_particle(draw: &mut Draw) -> Particles {
     let radius = draw.pick(&[0.5, 0.5, 0.5, 0.3, 0.8, 0.0, 2.0]);
     let mut one = Particles::new(vec![place], vec![velocity], vec![radius], 1.0);
     one.masses[0] = draw.pick(&[1.0, 1.0, 2.0, 0.1, 100.0]);
-    one.restitution[0] = draw.pick(&[1.0, 1.0, 0.5, 0.0]);
+    one.restitution[0] = draw.pick(&[1.0, 0.5, 0.3, 0.0]);
     one.movable[0] = !draw.one_in(8);
     if draw.one_in(2) {
         let velocity = if radius > 0.0 { draw.pick(&[0.0, 0.0, 3.0]) } else { 0.0 };
@@ -574,8 +577,12 @@ pub fn draw_wall(draw: &mut Draw) -> Wall {
     let (a, mut b) = (point(), point());
     b[0] += if a == b { 1.0 } else { 0.0 };
     let velocity = draw.pick(&[[0.0; 2], [0.0; 2], [1.0, -2.0]]);
-    let (restitution, friction) = (draw.pick(&[1.0, 0.5]), draw.pick(&[None, Some(0.5)]));
-    Wall { velocity, restitution, friction, ..Wall::new([a, b]) }
+    Wall { velocity, surface: draw_surface(draw), ..Wall::new([a, b]) }
+}
+
+fn draw_surface(draw: &mut Draw) -> Surface {
+    let mut one = || draw.pick(&[None, Some(0.5)]);
+    Surface { restitution: one(), friction: one() }
 }
 
 #[test]
