@@ -70,7 +70,8 @@ def world_of(positions: Numbers, kinds: NDArray[np.int64], side: float) -> jostl
     force = jostle.PairForce.particle_life(
         kinds, life.MATRICES["dragons"], CUTOFF, CORE, strength=STRENGTH
     )
-    return jostle.World(positions, 2.0, masses=1.0, period=(side, side), on_touch="ignore", drag=DRAG, forces=[force], threads=1)  # fmt: skip
+    rules = {"on_touch": "ignore", "drag": DRAG, "forces": [force], "threads": 1}
+    return jostle.World(positions, 2.0, masses=1.0, period=side, **rules)
 
 
 def measure(n: int) -> Row:

@@ -77,9 +77,9 @@ def state_of(world: jostle.World) -> InitialState:
         world.radii,
         world.masses,
         (box.min_x, box.min_y, box.max_x, box.max_y),
-        world.gravity,
-        world.restitution,
-        world.substeps,
+        tuple(world.gravity.tolist()),
+        float(world.restitution[0]),  # the same for all
+        world.stats.substeps,
     )
 
 

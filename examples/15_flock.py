@@ -8,12 +8,13 @@ import show
 
 n = 2000
 rng = np.random.default_rng(15)
-world = jostle.World(rng.uniform((0, 0), show.SIZE, (n, 2)), 1.0, velocities=rng.normal(0, 50, (n, 2)), period=show.SIZE, on_touch="ignore", forces=[
-        jostle.Flocking(
-            cutoff=26.0, separation=300.0, alignment=2.0, cohesion=4.0,
-            max_speed=120.0, min_speed=60.0,
-        )
-    ])  # fmt: skip
+birds = jostle.Flocking(
+    cutoff=26.0, separation=300.0, alignment=2.0, cohesion=4.0, max_speed=120.0, min_speed=60.0
+)
+places, velocities = rng.uniform((0, 0), show.SIZE, (n, 2)), rng.normal(0, 50, (n, 2))
+world = jostle.World(
+    places, 1.0, velocities=velocities, period=show.SIZE, on_touch="ignore", forces=[birds]
+)
 
 for screen in show.frames("A flock", until=600):
     world.step(1 / 60)

@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jostle import Box, Circle, Torus
+from jostle import Box, Circle
 
 Floats = NDArray[np.float64]
 NOTHING = -1  # the partner in an entry whose disc is only predicted again
@@ -61,7 +61,8 @@ def simulate(
     *,
     restitution: float = 1.0,
     gravity: tuple[float, float] = (0.0, 0.0),
-    container: Box | Circle | Torus | None = None,
+    container: Box | Circle | None = None,
+    period: ArrayLike | None = None,
     movable: ArrayLike = True,
     friction: ArrayLike = 0.0,
     angular_velocities: ArrayLike = 0.0,
@@ -76,8 +77,8 @@ def simulate(
     RuntimeError
         If there are more than `max_collisions` collisions.
     """
-    arguments = (positions, velocities, radii, masses, restitution, gravity, container, movable)
-    simulation = _Simulation(*arguments)
+    bodies = (positions, velocities, radii, masses)
+    simulation = _Simulation(*bodies, restitution, gravity, container, period, movable)
     simulation.spin(friction, angular_velocities)
     simulation.run(float(time), max_collisions)
     return simulation.result(float(time))
@@ -94,7 +95,8 @@ class _Simulation:
         masses: ArrayLike,
         restitution: float,
         gravity: tuple[float, float],
-        container: Box | Circle | Torus | None,
+        container: Box | Circle | None,
+        period: ArrayLike | None,
         movable: ArrayLike,
     ) -> None:
         self.start = np.array(positions, float).reshape(-1, 2)
@@ -113,8 +115,8 @@ class _Simulation:
         self.parabolic = self.gravity.any() & ~self.movable
         self.parabolic_rows = np.flatnonzero(self.parabolic)
         self.period: Floats | None = None
-        if isinstance(container, Torus):
-            self.period = np.array([[container.width], [container.height]])
+        if period is not None:
+            self.period = np.asarray(period, float)[:, None]
             self.reach = float(self.period.min()) / 2 - 2 * self.radii.max(initial=0.0)
             if self.reach <= 0:
                 raise ValueError("the torus is less than four radii wide")

@@ -1,4 +1,4 @@
-"""Hard discs for tests: a lattice to start from, Maxwellian velocities, and a torus.
+"""Hard discs for tests: a lattice to start from, Maxwellian velocities, and a period.
 
 Lengths are in radii, and the mean speed is 1: a step of `dt` is one of `dt` radii of mean
 displacement.
@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import jostle
-
 Floats = NDArray[np.float64]
-Container = jostle.Box | jostle.Circle | jostle.Torus | None
+Period = NDArray[np.float64] | None
 
 
 def lattice(n: int, width: float, height: float) -> Floats:
@@ -43,16 +41,14 @@ def henderson(eta: Any) -> Any:
     return (1 + eta**2 / 8) / (1 - eta) ** 2
 
 
-def torus(n: int, eta: float) -> jostle.Torus:
-    """Return the square torus in which n discs of radius 1 cover the share eta of the area."""
-    side = math.sqrt(n * math.pi / eta)
-    return jostle.Torus(side, side)
+def period_of(n: int, eta: float) -> Floats:
+    """Return the square period in which n discs of radius 1 cover the share eta of the area."""
+    return np.full(2, np.float32(math.sqrt(n * math.pi / eta)), float)
 
 
-def displacements(a: ArrayLike, b: ArrayLike, container: Container = None) -> Floats:
-    """Return the vectors from positions b to positions a, on a torus the minimum images."""
+def displacements(a: ArrayLike, b: ArrayLike, period: Period = None) -> Floats:
+    """Return the vectors from positions b to positions a, with a period the minimum images."""
     d: Floats = np.asarray(a, float) - np.asarray(b, float)
-    if isinstance(container, jostle.Torus):
-        period = np.array([container.width, container.height])
+    if period is not None:
         d -= period * np.rint(d / period)
     return d

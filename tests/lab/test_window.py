@@ -5,7 +5,6 @@ import pygame
 import pytest
 from lab_interaction import FRAME, LEFT, SIZE, Driver, Point, post, world_of
 
-import jostle
 from jostle_lab.draw.view_options import TreeView
 from jostle_lab.simulate.settings import MOST_BRUTE, Settings
 from jostle_lab.simulate.simulation import Simulation

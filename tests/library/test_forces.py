@@ -116,7 +116,6 @@ def test_a_world_has_forces() -> None:
 def pushed_world(**settings: Any) -> jostle.World:
     positions = [(0, 0), (5, 0), (9, 0)]
     masses, movable = [1, 2, 4], [True, True, False]
-    zeros = np.zeros((3, 2))
     return jostle.World(positions, 0.5, masses=masses, movable=movable, **settings)
 
 

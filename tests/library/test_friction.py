@@ -68,12 +68,12 @@ def test_a_gas_with_friction_agrees_with_the_reference(
     """Few discs and short times, so that rounding does not grow to the size of the answer."""
     rng = np.random.default_rng(4)
     n, side = 24, 24.0
-    container = jostle.Box(0, 0, side, side) if box else jostle.Torus(side, side)
+    region = {"container": jostle.Box(0, 0, side, side)} if box else {"period": (side, side)}
     positions = (lattice(n, side - 3, side - 3) + 1.5).astype(np.float32)
     velocities = random_velocities(n, rng).astype(np.float32)
     turning = rng.normal(size=n).astype(np.float32)
     coefficients = (friction * rng.uniform(0.5, 1.5, n)).astype(np.float32)
-    settings: dict[str, Any] = {"restitution": restitution, "container": container}
+    settings: dict[str, Any] = {"restitution": restitution} | region
     spins = {"friction": coefficients, "angular_velocities": turning}
     expected = simulate(positions, velocities, 1.0, 1.0, 6.0, **settings, **spins)
     assert expected.collisions.sum() > 20

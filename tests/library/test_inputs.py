@@ -170,7 +170,6 @@ def test_masked_elements_are_refused() -> None:
     centers = np.ma.masked_greater(POINTS, 8)
     radii = np.ma.masked_equal([1.0, 2.0, 1.0], 2.0)
     pieces = [np.ma.array(row) for row in POINTS] + [np.ma.masked_less([1.0, 0.0], 1)]
-    zeros = np.zeros((3, 2))
     calls = {
         "positions[2]": [
             lambda: jostle.find_pairs(centers),

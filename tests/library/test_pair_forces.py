@@ -45,9 +45,9 @@ def test_a_step_is_that_of_numpy(periodic, method):
     rng = np.random.default_rng(3)
     table, cutoff, dt = rng.uniform(-9, 9, (3, 3, 12)), 7.0, 0.01
     force = jostle.PairForce(kinds, table, cutoff)
-    container = jostle.Torus(SIDE, SIDE) if periodic else None
+    period = (SIDE, SIDE) if periodic else None
     masses = rng.uniform(1, 3, 400)
-    settings = {"masses": masses, "container": container, "method": method}
+    settings = {"masses": masses, "period": period, "method": method}
     world = points(positions, velocities, force, **settings)
     world.step(dt)
     offset, distance = offsets(positions + velocities * np.float32(dt / 2), periodic)
@@ -238,8 +238,7 @@ def test_wrong_arguments_are_refused(error, make, words):
 
 
 def test_a_force_must_fit_the_world():
-    torus = jostle.Torus(10, 10)
-    world = jostle.World([(1, 1)], 0.5, container=torus)
+    world = jostle.World([(1, 1)], 0.5, period=(10, 10))
     with pytest.raises(ValueError, match=r"needs one for each of 1 particle$"):
         world.forces = [FORCES[0]]
     with pytest.raises(ValueError, match="a cutoff is at most 5"):

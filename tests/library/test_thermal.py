@@ -92,7 +92,6 @@ def test_they_are_values() -> None:
     ("container", "sides", "rule"),
     [
         (None, None, "[0, 1, 2, 3]; a world without a container has no sides"),
-        (jostle.Torus(50, 50), [2], "[2]; a Torus has no sides"),
         (jostle.Circle((0, 0), 50), [0, 1], "[0, 1]; a Circle has one side, 0"),
         (jostle.Circle((0, 0), 50), [3], "[3]; a Circle has one side, 0"),
     ],
@@ -126,9 +125,11 @@ def test_all_sides_are_the_wall_of_a_circle_and_walls_need_no_container() -> Non
     world.container = jostle.Circle((20, 20), 50)
     world.forces = [jostle.ThermalWalls(1.0, sides=[0])]
     plate = [jostle.ThermalWalls(1.0, walls=[0])]
-    for container in (None, jostle.Torus(50, 50)):
+    for period in (None, 50):
         walls = [((0, 0), (5, 0))]
-        assert jostle.World(**disc, container=container, walls=walls, forces=plate).forces
+        assert jostle.World(**disc, period=period, walls=walls, forces=plate).forces
+    with pytest.raises(ValueError, match=r"\[2\]; a periodic world has no sides"):
+        jostle.World(**disc, period=50, forces=[jostle.ThermalWalls(1.0, [2])])
 
 
 @pytest.mark.parametrize(

@@ -187,14 +187,14 @@ def test_given_positions_have_no_residual() -> None:
     assert world.state_hash() == same.state_hash()
 
 
-@pytest.mark.parametrize("container", [None, jostle.Torus(60, 60)])
-def test_the_quadtree_is_that_of_the_particles_as_they_are_now(container: Any) -> None:
+@pytest.mark.parametrize("period", [None, (60, 60)])
+def test_the_quadtree_is_that_of_the_particles_as_they_are_now(period: Any) -> None:
     rng = np.random.default_rng(4)
     world = jostle.World(
         rng.uniform(0, 60, (300, 2)),
         rng.uniform(0.5, 2, 300),
         velocities=rng.normal(size=(300, 2)),
-        container=container,
+        period=period,
         on_touch="ignore",
         leaf_capacity=7,
     )

@@ -118,7 +118,7 @@ def worlds(draw: st.DrawFn) -> jostle.World:
             st.none(),
             st.builds(lambda x, w: jostle.Box(x, x, FLOAT(x) + w, FLOAT(x) + w), numbers, positive),
             st.builds(lambda x, r: jostle.Circle((x, x), r), numbers, positive),
-            st.builds(jostle.Torus, positive, positive),
+            st.tuples(positive, positive),
         )
     )
     return jostle.World(
@@ -130,7 +130,7 @@ def worlds(draw: st.DrawFn) -> jostle.World:
         gravity=(draw(numbers), draw(numbers)),
         drag=draw(sizes),
         restitution=column(shares) if draw(st.booleans()) else draw(shares),
-        container=container,
+        **({"period": container} if isinstance(container, tuple) else {"container": container}),
         forces=draw(forces(n)),
         on_touch=draw(st.sampled_from(["bounce", "merge", "ignore"])),
         substeps=draw(st.integers(1, 4)),

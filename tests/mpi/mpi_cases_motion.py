@@ -153,7 +153,7 @@ def test_nasty() -> None:
     far = np.hypot(*(positions - positions[7]).T) > 16.5
     far[7] = True
     count = int(far.sum())
-    options = {"radii": radii[far], "container": jostle.Torus(60, 60)}
+    options = {"radii": radii[far], "period": (60, 60)}
     giant = jostle.World(positions[far], velocities=rng.normal(0, 20, (count, 2)), **options)
     check("a giant", giant, 1 / 20, 50)
     positions = gas(300).positions.copy()

@@ -84,7 +84,7 @@ COLUMNS = (
 REST: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": False}
 
 SETTINGS = (
-    *("gravity", "drag", "container", "container_restitution", "walls", "wall_velocities"),
+    *("gravity", "drag", "container", "period", "walls", "wall_velocities"),
     *("wall_restitution", "wall_friction", "forces", "on_touch", "sleeping", "track_events"),
 )
 
@@ -104,13 +104,6 @@ class RandomDomains(jostle.mpi.World):
         super()._step(dt)
 
 
-def chosen_substeps(world: jostle.World) -> int | None:
-    """The number of sub-steps, or None if the world finds the same one."""
-    free = jostle.World.restore(world.snapshot())
-    free.substeps = None
-    return None if free.substeps == world.substeps else world.substeps
-
-
 def scattered(
     world: jostle.World, where: Distribution, every: int | None = None
 ) -> jostle.mpi.World:
@@ -124,17 +117,14 @@ def scattered(
         else force
         for force in world.forces
     ]
-    # One number is the world's.
-    is_one = (world.restitution == 1).all()
-    restitution = world.restitution if is_one else world.restitution[mine]
     kind = jostle.mpi.World if every is None else RandomDomains
     ours = kind(
         comm(),
         world.positions[mine],
-        world.velocities[mine],
         world.radii[mine],
-        restitution=restitution,
-        substeps=chosen_substeps(world),
+        velocities=world.velocities[mine],
+        restitution=world.restitution[mine],
+        substeps=world.substeps,
         **columns,
         **settings,
     )
@@ -153,11 +143,11 @@ def gas(n: int = 600, seed: int = 1, cover: float = 0.4, **options: Any) -> jost
     radii = rng.uniform(0.5, 1.0, n)
     positions = (places * spacing + rng.uniform(-0.2, 0.2, (n, 2))).astype(np.float32)
     width = max(side, 1) * spacing
-    container = options.pop("container", jostle.Box(0, 0, width, width))
-    if container == "torus":
-        container = jostle.Torus(width, width)
+    if options.get("container") == "torus":
+        options |= {"container": None, "period": width}
+    options.setdefault("container", jostle.Box(0, 0, width, width))
     velocities = options.pop("velocities", rng.normal(0, 20, (n, 2)))
-    return jostle.World(positions, radii, velocities=velocities, container=container, **options)
+    return jostle.World(positions, radii, velocities=velocities, **options)
 
 
 def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:

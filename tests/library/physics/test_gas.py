@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 import pytest
 from event_driven import simulate
-from gases import Floats, displacements, henderson, lattice, random_velocities, torus
+from gases import Floats, displacements, henderson, lattice, period_of, random_velocities
 
 import jostle
 
@@ -51,12 +51,12 @@ def maxwell_speeds(count: int) -> Floats:
     return speeds
 
 
-def melted(n: int, eta: float, seed: int) -> tuple[jostle.World, jostle.Torus]:
+def melted(n: int, eta: float, seed: int) -> tuple[jostle.World, Floats]:
     """Return a gas on a torus after about 20 collisions of each disc, or more."""
-    rng, period = np.random.default_rng(seed), torus(n, eta)
-    positions = lattice(n, period.width, period.height)
+    rng, period = np.random.default_rng(seed), period_of(n, eta)
+    positions = lattice(n, *period)
     gas = jostle.World(
-        positions, 1.0, velocities=random_velocities(n, rng), container=period, substeps=1
+        positions, 1.0, velocities=random_velocities(n, rng), period=period, substeps=1
     )
     gas.step(1.0, steps=100)
     return gas, period
@@ -235,7 +235,7 @@ def test_the_discs_that_collide_in_a_long_step_are_those_of_the_reference() -> N
     """All but 1 %, since rounding decides a few grazing collisions."""
     gas, period = melted(1000, 0.1, seed=4)
     before = gas.velocities
-    expected = simulate(gas.positions, before, 1.0, 1.0, LONG, container=period)
+    expected = simulate(gas.positions, before, 1.0, 1.0, LONG, period=period)
     gas.step(LONG)
     collided = (gas.velocities != before).any(axis=1)
     assert 0.5 < collided.mean() < 0.8
@@ -257,15 +257,15 @@ def distance_from_exponential(energies: Floats) -> float:
 def mixed_energies(dt: float, seed: int) -> tuple[Floats, Floats]:
     """Return the energies over kT of light and heavy discs; the light ones start at rest."""
     n = 2000
-    rng, period = np.random.default_rng(seed), torus(n, 0.3)
+    rng, period = np.random.default_rng(seed), period_of(n, 0.3)
     heavy = rng.permutation(n) < n // 2
     directions = rng.uniform(0, 2 * math.pi, n)
     velocities = np.stack([np.cos(directions), np.sin(directions)], 1) * heavy[:, None]
     velocities[heavy] -= velocities[heavy].mean(axis=0)
     masses = np.where(heavy, 4.0, 1.0)
-    positions = lattice(n, period.width, period.height)
+    positions = lattice(n, *period)
     gas = jostle.World(
-        positions, 1.0, velocities=velocities, masses=masses, container=period, substeps=1
+        positions, 1.0, velocities=velocities, masses=masses, period=period, substeps=1
     )
     before = gas.kinetic_energy()
     gas.step(dt, steps=round(40 / dt))
@@ -337,11 +337,11 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
     400 discs, in several windows of a step, are smaller in the mean.
     """
     n, rng = 400, np.random.default_rng(7)
-    period = torus(n, 0.5)
+    period = period_of(n, 0.5)
     container = period if walls == "torus" else None
     velocities = random_velocities(n, rng) + rng.normal(size=2)
     radii, masses = rng.uniform(0.6, 1.0, n), rng.uniform(0.5, 2.0, n)
-    positions = lattice(n, period.width, period.height)
+    positions = lattice(n, *period)
     gas = jostle.World(
         positions, radii, velocities=velocities, masses=masses, container=container, substeps=1
     )
@@ -358,12 +358,12 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
 @pytest.mark.threads
 def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
     n, rng = 15_000, np.random.default_rng(8)
-    period = torus(n, 0.3)
-    positions = lattice(n, period.width, period.height)
+    period = period_of(n, 0.3)
+    positions = lattice(n, *period)
     velocities = random_velocities(n, rng)
     hashes = []
     for threads in (1, 2):
-        gas = jostle.World(positions, 1.0, velocities=velocities, container=period, threads=threads)
+        gas = jostle.World(positions, 1.0, velocities=velocities, period=period, threads=threads)
         gas.step(LONG, steps=2)
         hashes.append(gas.state_hash())
     assert hashes[0] == hashes[1]
