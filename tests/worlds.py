@@ -47,13 +47,11 @@ NEW = {
 }
 
 SETTINGS: dict[str, tuple[Any, Any]] = {
-    "gravity": ((0, 0), (0.1, -9.81)),
     "drag": (0, 0.3),
-    "restitution": (1, 0.7),
     "container": (None, jostle.Box(-50, -50, 50, 50)),
     "on_touch": ("bounce", "merge"),
     "method": ("quadtree", "brute"),
     "threads": (None, 2),
-    "leaf_capacity": (jostle.World([], [], velocities=[]).leaf_capacity, 5),
+    "leaf_capacity": (jostle.World().leaf_capacity, 5),
     "max_depth": (4096, 3),
 }

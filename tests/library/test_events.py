@@ -97,8 +97,8 @@ def test_a_disc_that_is_stopped_in_front_of_a_sensor_does_not_touch_it() -> None
 def test_sensors_can_be_set_added_and_saved() -> None:
     world = jostle.World([(0, 0), (5, 0)], 1.0, sensors=[False, True])
     world.set(0, sensors=True)
-    world.add((9, 0), sensors=True)
-    world.add((19, 0))
+    world.add((9, 0), 1.0, sensors=True)
+    world.add((19, 0), 1.0)
     assert world.sensors.dtype == bool and world.sensors.tolist() == [True, True, True, False]
     assert jostle.World.restore(world.snapshot()).sensors.tolist() == world.sensors.tolist()
     with pytest.raises(ValueError, match="read-only"):

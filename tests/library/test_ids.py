@@ -46,7 +46,7 @@ class History:
         speeds = [[self.random.uniform(-9, 9) for _ in "xy"] for _ in range(count)]
         masses = [float(np.float32(self.random.uniform(1, 9))) for _ in range(count)]
         if count == 1:
-            one = self.world.add(tuple(places[0]), velocities=tuple(speeds[0]), masses=masses[0])
+            one = self.world.add(tuple(places[0]), 0.4, velocities=speeds[0], masses=masses[0])
             assert type(one) is int
             ids = [one]
         else:

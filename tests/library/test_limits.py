@@ -196,9 +196,9 @@ other.step(1 / 60)
 before, state, ids = world.snapshot(), world.state_hash(), world.ids
 places = world.positions + 1
 calls = [
-    lambda: jostle.World(places, places * 0, radii=0.1),
+    lambda: jostle.World(places, 0.1),
     lambda: world.step(1 / 60),
-    lambda: world.add(places, places * 0, radii=0.1),
+    lambda: world.add(places, 0.1),
     lambda: world.set(ids, positions=places, friction=0.5),
     lambda: world.snapshot(),
     lambda: jostle.World.restore(before),

@@ -133,9 +133,9 @@ def test_kinds_follow_through_add_and_remove():
     world = jostle.World([(0, 0), (9, 0), (18, 0)], 1.0, forces=[force])
     world.remove(1)
     assert world.forces[0].kinds.tolist() == [0, 2]
-    world.add((30, 0), kinds=1)
-    world.add([(40, 0), (50, 0)], kinds=[2, 1])
-    world.add((60, 0))
+    world.add((30, 0), 1.0, kinds=1)
+    world.add([(40, 0), (50, 0)], 1.0, kinds=[2, 1])
+    world.add((60, 0), 1.0)
     assert world.forces[0].kinds.tolist() == [0, 2, 1, 2, 1, 0]
     for kinds, words in [
         (3, "kinds is 3; the table has 3 kinds, from 0 to 2"),
@@ -144,7 +144,7 @@ def test_kinds_follow_through_add_and_remove():
         (64, "a kind, between 0 and 63"),
     ]:
         with pytest.raises(ValueError, match=re.escape(words)):
-            world.add((70, 0), kinds=kinds)
+            world.add((70, 0), 1.0, kinds=kinds)
         assert len(world) == 6
 
 

@@ -32,7 +32,7 @@ def assert_same(a: jostle.World, b: jostle.World) -> None:
     assert a.state_hash() == b.state_hash()
     assert (a.time, a.forces, a.container) == (b.time, b.forces, b.container)
     for name in ("threads", "substeps", "leaf_capacity", "drag", "gravity", "on_touch", "method"):
-        assert getattr(a, name) == getattr(b, name)
+        np.testing.assert_equal(getattr(a, name), getattr(b, name))
     assert a.contacts == b.contacts
 
 
@@ -92,7 +92,7 @@ def test_files_of_this_format_can_be_loaded() -> None:
     assert world.asleep.tolist() == [True] * 6 + [False] + [True] * 2 + [False] * 2
     assert [type(force).__name__ for force in world.forces] == ["Springs", "Motor"]
     assert json.loads(str(world.attachment)) == {"name": "µ"}
-    assert world.add((1, 1)) == 12 and world.radii[-1] == 0.5
+    assert world.add((1, 1), 0.5) == 12 and world.radii[-1] == 0.5
     world = jostle.World.load(FILES / "snapshot-forces.jostle")
     assert len(world.forces) == 9 and world.wall_velocities.tolist() == [[0.25, 0], [0, 0]]
     assert world.sensors.tolist() == [False, True, False, False, False, False]

@@ -102,12 +102,15 @@ def test_forces_have_a_stage_of_their_own() -> None:
 
 def test_sums() -> None:
     world = three(gravity=np.array([0, 10]))
-    assert world.gravity == (0, 10)
-    assert world.momentum() == (1, 8)
+    assert world.gravity.tolist() == [0, 10] and not world.gravity.flags.writeable
+    assert world.momentum().tolist() == [1, 8]
+    assert world.angular_momentum() == 80 and world.angular_momentum((10, 0)) == 0
+    assert world.temperature() == pytest.approx(2)  # around (0.2, 1.6)
     assert world.kinetic_energy() == 0.5 * 1 * 1 + 0.5 * 4 * 4
     assert world.potential_energy() == 0  # only the immovable one is off the line y = 0
     world.positions = [(0, -2), (10, 0), (20, 5)]
     assert world.potential_energy() == 20
+    assert world.total_energy() == 20 + world.kinetic_energy()
 
 
 def test_the_hash_is_of_the_state() -> None:
@@ -173,13 +176,13 @@ def test_a_long_call_can_be_interrupted() -> None:
     world.step(1 / 60)  # and it is still usable
 
 
-def test_given_positions_have_no_residual() -> None:
-    """Also if they are equal to the current ones."""
+def test_new_positions_have_no_residual() -> None:
     world = jostle.World([(0, 0), (3, 0)], 1.0, velocities=[(0.1, 0), (0, 0)])
     world.step(1 / 60, steps=7)
     positions, velocities = world.positions, world.velocities
     same = jostle.World(positions, 1.0, velocities=velocities)
     assert world.state_hash() != same.state_hash()
+    world.positions = positions + 1
     world.positions = positions
     assert world.state_hash() == same.state_hash()
     world.step(1 / 60, steps=7)

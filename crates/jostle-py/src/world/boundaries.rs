@@ -39,6 +39,9 @@ impl PyWorld {
     #[setter]
     fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let (container, sides) = containers::read(value)?;
+        if container != Container::None && self.rules(py)?.container.has_period() {
+            return Err(containers::both());
+        }
         self.change_rules(py, |rules| {
             // None takes a container away, and no period.
             let stays = container == Container::None && rules.container.has_period();
