@@ -21,9 +21,9 @@ Point = tuple[float, float]
 
 def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> Simulation:
     """Discs at rest in a box of 800 by 500, without gravity."""
-    speeds = np.zeros((len(places), 2))
-    rules.setdefault("container", jostle.Box(*VIEW))
-    world = jostle.World(np.array(places).reshape(-1, 2), radii, velocities=speeds, **rules)
+    if "period" not in rules:
+        rules.setdefault("container", jostle.Box(*VIEW))
+    world = jostle.World(np.array(places).reshape(-1, 2), radii, **rules)
     return Simulation(Settings("test"), VIEW, world)
 
 

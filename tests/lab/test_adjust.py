@@ -5,11 +5,12 @@ import pytest
 
 import jostle
 from jostle_lab.simulate.containers import InitialRegion, bounds, moved_inside
+from jostle_lab.simulate.region import Torus, container_of, set_container
 from jostle_lab.simulate.settings import Group, Polyline, Settings
 from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
 from jostle_lab.simulate.start import start
 
-CONTAINERS = [jostle.Box(-10, 0, 90, 50), jostle.Circle((40, 25), 30), jostle.Torus(100, 50), None]
+CONTAINERS = [jostle.Box(-10, 0, 90, 50), jostle.Circle((40, 25), 30), Torus(100, 50), None]
 
 
 def gas(n: int = 200, **settings) -> Simulation:
@@ -147,7 +148,7 @@ def test_nothing_is_lost_when_walls_change(kind: str, scene: str) -> None:
     assert simulation.adjust("container", kind) is None
     assert simulation.settings.container == kind and len(simulation) == count
     if kind != "none":
-        assert type(simulation.world.container).__name__.lower() == kind
+        assert type(simulation.frame().container).__name__.lower() == kind
     assert is_inside(simulation)
     for _ in range(5):
         simulation.step()
@@ -157,10 +158,10 @@ def test_nothing_is_lost_when_walls_change(kind: str, scene: str) -> None:
 @pytest.mark.parametrize("size", [0.7, 1.0, 2.5])
 def test_the_world_grows_and_shrinks_about_its_middle(size: float) -> None:
     simulation = gas(100)
-    first, view = bounds(simulation.world.container), simulation.view
+    first, view = bounds(simulation.frame().container), simulation.view
     simulation.adjust("world_size", 3.0)
     assert simulation.adjust("world_size", size) is None  # of the scene's own, not of the last
-    low_x, low_y, high_x, high_y = bounds(simulation.world.container)
+    low_x, low_y, high_x, high_y = bounds(simulation.frame().container)
     assert high_x - low_x == pytest.approx(size * (first[2] - first[0]), rel=1e-5)
     assert (low_x + high_x, low_y + high_y) == pytest.approx(
         (first[0] + first[2], first[1] + first[3]), rel=1e-4
@@ -184,7 +185,7 @@ def test_walls_are_the_same_after_going_back_to_a_state() -> None:
     simulation.adjust("world_size", 0.8)
     simulation.load(state)
     simulation.adjust("world_size", 1.0)
-    assert bounds(simulation.world.container) == pytest.approx(bounds(gas(100).world.container))
+    assert bounds(simulation.frame().container) == pytest.approx(bounds(gas(100).frame().container))
 
 
 def test_the_camera_shows_the_world_that_has_grown(open_session) -> None:
@@ -237,6 +238,35 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
     assert gas(20, friction=0.25).world.friction.tolist() == [0.25] * 20
 
 
+def test_restitution_is_that_of_all_particles_also_of_new_ones() -> None:
+    simulation = gas(50)
+    assert simulation.effective_settings.restitution == 1.0
+    simulation.world.restitution = 0.25
+    simulation = Simulation(Settings("gas"), simulation.view, simulation.world)
+    simulation.add([(1.0, 1.0)], (0.0, 0.0), 0.5)
+    assert (simulation.world.restitution == 0.25).all()
+    assert simulation.effective_settings.restitution == 0.25
+    assert simulation.adjust("restitution", 0.5) is None
+    assert simulation.adjust("n", 55) is None
+    assert simulation.world.restitution.tolist() == [0.5] * 55
+    assert "restitution" in str(simulation.adjust("restitution", -1.0))
+    simulation.remove(simulation.world.ids)
+    simulation.add([(1.0, 1.0)], (0.0, 0.0), 0.5)
+    assert simulation.world.restitution.tolist() == [0.5]
+
+
+def test_a_container_that_is_refused_changes_nothing() -> None:
+    world = jostle.World([(5, 5)], 1.0, period=(10, 20))
+    with pytest.raises(ValueError, match="radii"):
+        set_container(world, jostle.Box(0, 0, 1, 1))
+    assert container_of(world) == Torus(10, 20)
+    box = jostle.Box(0, 0, 40, 40)
+    world = jostle.World([(5, 5)], 1.0, container=box, walls=[((0, 0), (30, 0))])
+    with pytest.raises(ValueError, match="walls"):
+        set_container(world, Torus(10, 20))
+    assert container_of(world) == box
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [
@@ -256,7 +286,7 @@ def test_rules_change_without_a_new_beginning(open_session, name: str, value: ob
     time = session.frame.stats.time
     session.runner.adjust(name, value)
     world = session.engine.simulation.world
-    assert getattr(world, name) == value and getattr(session.settings, name) == value
+    assert np.all(getattr(world, name) == value) and getattr(session.settings, name) == value
     assert session.frame.stats.time == time
 
 

@@ -1,11 +1,15 @@
 """The app's emitters add due drops, remove the oldest ones, and are reproducible."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import jostle
 from jostle_lab.simulate.containers import TRIES, directions, in_disc
 from jostle_lab.simulate.emitters import Emitters
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.start import start
 
 STEP = 1 / 60
 N = 300
@@ -22,7 +26,7 @@ def run(world: jostle.World, emitters: Emitters, steps: int) -> None:
 
 
 def empty() -> jostle.World:
-    return jostle.World(np.empty((0, 2)), 1.0, velocities=np.empty((0, 2)), gravity=(0, 900))
+    return jostle.World(np.empty((0, 2)), 1.0, gravity=(0, 900))
 
 
 def test_as_many_come_as_are_due() -> None:
@@ -129,3 +133,16 @@ def test_there_is_a_direction_also_in_the_very_middle() -> None:
             return np.full(shape, 0.5)
 
     assert directions(Middle(), 2).tolist() == [[1, 0], [1, 0]]
+
+
+def test_drops_bounce_and_rub_like_the_others() -> None:
+    for settings in (Settings("emitters", 50), Settings("emitters", 50, restitution=0.6)):
+        simulation = start(replace(settings, friction=0.25))
+        restitution = settings.restitution or simulation.world.restitution[0]
+        world, began = simulation.world, len(simulation)
+        simulation.adjust("n", 5)
+        for _ in range(60):
+            simulation.step()
+        assert world.ids[-1] > began + 5 == len(drops(world)) + began  # all drops have been added
+        assert (world.restitution == np.float32(restitution)).all()
+        assert (world.friction == 0.25).all()

@@ -13,6 +13,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Frame, FrameRequest
+from jostle_lab.simulate.region import Container, Torus, set_container
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
@@ -21,10 +22,12 @@ VIEW = (0.0, 0.0, 100.0, 100.0)
 TREE = FrameRequest(tree=True)
 
 
-def frame_of(places, radii, container=None, movable=None, **settings) -> tuple[Frame, Settings]:
+def frame_of(
+    places, radii, container: Container = None, movable=True, **settings
+) -> tuple[Frame, Settings]:
     rules = Settings("some discs", **settings)
-    zeros = np.zeros((len(places), 2))
-    world = jostle.World(places, radii, container=container, movable=movable)
+    world = jostle.World(places, radii, movable=movable)
+    set_container(world, container)
     simulation = Simulation(rules, VIEW, world)
     return simulation.frame(TREE), rules
 
@@ -81,7 +84,7 @@ def test_on_which_axis_boxes_are_apart(place, words) -> None:
 
 
 def test_across_the_seam_of_a_torus() -> None:
-    why = answer([(1, 50), (99, 50)], [2, 2], jostle.Torus(100, 100))
+    why = answer([(1, 50), (99, 50)], [2, 2], Torus(100, 100))
     assert why.touching
     assert "overlap by 2" in why.lines[0]
     assert why.centres == ((1, 50), (-1, 50))

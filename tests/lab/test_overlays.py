@@ -7,7 +7,6 @@ import pygame
 import pytest
 from lab_overlays import SIZE, Notes, camera_of_pixels, frame_of, pixels, touching_of, tree_of
 
-import jostle
 from jostle_lab.draw import marks
 from jostle_lab.draw.base_layers import draw_discs, draw_heat, draw_outline, draw_wall_discs
 from jostle_lab.draw.marks import Trails, subset
@@ -16,6 +15,7 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, ViewOptions
 from jostle_lab.simulate.frame import Attractor, Frame
+from jostle_lab.simulate.region import Torus
 
 
 def drawn(draw: Callable[..., str | None], frame: Frame) -> tuple[Notes, str | None]:
@@ -174,7 +174,7 @@ def test_the_few_stay_the_same_when_others_go() -> None:
 def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
     springs = np.array([(0, 1), (1, 2)], np.int64)
     places = [(10, 50), (40, 50), (300, 50)]
-    for container, count in [(None, 2), (jostle.Torus(320, 240), 1)]:
+    for container, count in [(None, 2), (Torus(320, 240), 1)]:
         frame = frame_of(places, springs=springs, container=container)
         notes, _ = drawn(marks.draw_springs, frame)
         assert len(notes.lines_drawn()) == count

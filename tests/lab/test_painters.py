@@ -20,6 +20,7 @@ from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import DISCS, SHADES, STAGE, WALL, blend, level_colour
 from jostle_lab.draw.software import MEMORY_LIMIT, Stamps
 from jostle_lab.simulate.frame import Frame
+from jostle_lab.simulate.region import Torus
 
 
 @pytest.fixture(scope="module", params=["software", "opengl"])
@@ -145,7 +146,7 @@ def test_drawing_leaves_the_frame_alone(painter) -> None:
     ("container", "edge", "outside"),
     [
         (jostle.Box(60, 40, 260, 200), (59, 120), (40, 120)),
-        (jostle.Torus(200, 160), (200, 80), (210, 170)),
+        (Torus(200, 160), (200, 80), (210, 170)),
         (jostle.Circle((160, 120), 100), (59, 120), (50, 40)),
     ],
 )

@@ -104,7 +104,7 @@ def desk() -> Iterator:
 
 def test_gravity_follows_the_slider_while_it_is_held(desk) -> None:
     here = desk()
-    assert here.world.gravity == (0.0, 0.0)
+    assert tuple(here.world.gravity) == (0.0, 0.0)
     here.press("gravity", 0.7)
     x, y = here.world.gravity
     assert x == 0.0 and 1000 < y < 2000
@@ -140,7 +140,7 @@ def test_each_slider_changes_its_rule_of_the_world(desk, mark, attribute) -> Non
     values = []
     for way in (0.3, 0.8):
         here.slide(mark, way)
-        values.append(getattr(here.world, attribute))
+        values.append(np.unique(getattr(here.world, attribute)).item())  # of all particles
     assert values[0] < values[1]
     assert getattr(here.session.settings, attribute) == pytest.approx(values[1])
 

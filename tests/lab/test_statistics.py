@@ -306,4 +306,6 @@ def test_scenes_follow_each_other_in_a_circle(open_session) -> None:
 def test_open_choices_are_filled_in_with_what_holds() -> None:
     pile = start(Settings("pile", 50))
     assert pile.settings.gravity is None
-    assert pile.effective_settings.gravity == (0.0, 900.0) and pile.effective_settings.substeps == 4
+    assert pile.effective_settings.gravity == (0.0, 900.0)
+    pile.step()
+    assert pile.settings.substeps is None and pile.effective_settings.substeps == 4

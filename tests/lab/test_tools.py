@@ -5,7 +5,6 @@ import pygame
 import pytest
 from lab_interaction import FRAME, MIDDLE, RIGHT, Driver, post, tags, world_of
 
-import jostle
 from jostle_lab.act.attractors import STRENGTH
 from jostle_lab.act.interaction import Tool
 from jostle_lab.act.view import draw_preview, draw_selection
@@ -14,6 +13,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import STAGE
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.gui.input import ZOOM_STEP
+from jostle_lab.simulate.region import Torus
 from jostle_lab.simulate.settings import Polyline, Settings
 from jostle_lab.simulate.start import start
 
@@ -168,7 +168,7 @@ def test_images_of_walls_are_drawn_on_a_torus_alone() -> None:
     camera = Camera((640, 360), (-8.0, -8.0, 24.0, 24.0))
     painter.fill(STAGE)
     walls = [[(14, 4), (20, 4)], [(-1, -1), (1, 1)], [(164, 12), (168, 12)]]
-    draw_walls(painter, np.array(walls, np.float32), jostle.Torus(16, 16), camera)
+    draw_walls(painter, np.array(walls, np.float32), Torus(16, 16), camera)
     canvas = pygame.surfarray.array3d(painter.canvas())
     points = np.array(
         [(15, 4), (2, 4), (0.5, 0.5), (15.5, 15.5), (6, 12), (18, 4), (-2, 4), (-0.5, -0.5)]

@@ -21,7 +21,8 @@ from jostle_lab.simulate.containers import (
 )
 from jostle_lab.simulate.engine import REFUSALS, Engine, message_of
 from jostle_lab.simulate.forces import nearest
-from jostle_lab.simulate.frame import Container, Frame, Point, Rect, Tags
+from jostle_lab.simulate.frame import Frame, Point, Rect, Tags
+from jostle_lab.simulate.region import Container
 from jostle_lab.simulate.settings import EVERY_CATEGORY, Polyline
 from jostle_lab.simulate.simulation import Simulation
 
@@ -210,7 +211,7 @@ def scatter(rng: np.random.Generator, container: Container, view: Rect, radii: F
     n = len(radii)
     if isinstance(container, jostle.Circle):
         reach = np.maximum(container.radius - radii, 0)[:, None]
-        inside: Floats = np.array(container.center) + reach * random_in_disc(rng, n)
+        inside: Floats = container.center + reach * random_in_disc(rng, n)
         return inside
     low, high = np.array(common(bounds(container), view)).reshape(2, 2)
     room = np.maximum((high - low)[None, :] - 2 * radii[:, None], 0.0)

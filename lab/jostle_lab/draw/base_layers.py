@@ -11,7 +11,8 @@ from jostle_lab.draw.painter import Painter, on_canvas
 from jostle_lab.draw.palette import HEAT, STAGE, blend, level_colour
 from jostle_lab.draw.text import Legend
 from jostle_lab.simulate.containers import bounds, wall_images
-from jostle_lab.simulate.frame import Container, Frame, Rect
+from jostle_lab.simulate.frame import Frame, Rect
+from jostle_lab.simulate.region import Container, Torus
 
 CONTAINER_WIDTH = 2
 SEGMENT_WIDTH = 3
@@ -28,7 +29,7 @@ def draw_container(painter: Painter, container: Container, camera: Camera) -> No
     if walls is None:
         painter.fill(palette.STAGE)
     elif isinstance(container, jostle.Circle):
-        (x,), (y,) = camera.to_screen(np.array([container.center], np.float64))
+        (x,), (y,) = camera.to_screen(container.center[None])
         radius = container.radius * camera.scale
         painter.circle((x, y), radius + CONTAINER_WIDTH, palette.WALL)
         painter.circle((x, y), radius, palette.STAGE)
@@ -63,7 +64,7 @@ def draw_walls(
     x, y = camera.to_screen(images.reshape(-1, 2).astype(np.float64))
     ends = _clipped(np.column_stack([x, y]).reshape(-1, 2, 2), (-FAR, -FAR, FAR, FAR))
     rect = bounds(container)
-    if rect is not None and isinstance(container, jostle.Torus):
+    if rect is not None and isinstance(container, Torus):
         ends = _clipped(ends, camera.rect_to_screen(rect))
     painter.lines(ends.reshape(-1, 4), palette.FIXED, SEGMENT_WIDTH)
 

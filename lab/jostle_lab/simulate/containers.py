@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle_lab.simulate.forces import Ends, clear_of
-from jostle_lab.simulate.frame import Container, Frame, Rect
+from jostle_lab.simulate.frame import Frame, Rect
+from jostle_lab.simulate.region import Container, Torus
 from jostle_lab.simulate.settings import CONTAINERS, PARTICLES
 from jostle_lab.simulate.validation import FARTHEST, limited, one_of, or_none, rect
 
@@ -23,17 +24,15 @@ _RECT = rect(FARTHEST / 1_000)
 def bounds(container: Container) -> Rect | None:
     if container is None:
         return None
-    if isinstance(container, jostle.Torus):
+    if isinstance(container, Torus):
         return 0.0, 0.0, container.width, container.height
-    if isinstance(container, jostle.Circle):
-        (x, y), radius = container.center, container.radius
-        return x - radius, y - radius, x + radius, y + radius
-    return container.min_x, container.min_y, container.max_x, container.max_y
+    min_x, min_y, max_x, max_y = container.bounds.tolist()
+    return min_x, min_y, max_x, max_y
 
 
 def minimum_image(container: Container, offsets: Floats) -> Floats:
     """Return the shortest periodic images of offsets, (2,) or (n, 2)."""
-    if isinstance(container, jostle.Torus):
+    if isinstance(container, Torus):
         sides = np.array([container.width, container.height])
         offsets = offsets - sides * np.round(offsets / sides)
     return offsets
@@ -41,7 +40,7 @@ def minimum_image(container: Container, offsets: Floats) -> Floats:
 
 def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bool_]:
     """Return which lines are longer than half a side of a torus: they cross its boundary."""
-    if not isinstance(container, jostle.Torus):
+    if not isinstance(container, Torus):
         return np.zeros(len(starts), np.bool_)
     sides = np.array([container.width, container.height])
     over = np.abs(ends - starts) > sides / 2
@@ -55,7 +54,7 @@ def wall_images(
 
     On a torus these are the periodic images of walls that are nearer to it than `margin`.
     """
-    if not isinstance(container, jostle.Torus) or len(ends) == 0:
+    if not isinstance(container, Torus) or len(ends) == 0:
         return ends, np.arange(len(ends))
     sides = np.array([container.width, container.height])
     home = ends - (np.floor(ends.mean(axis=1) / sides) * sides)[:, None]
@@ -128,7 +127,7 @@ def _container_of(kind: str, rect: Rect, initial: str) -> Container:
     if initial == "circle":
         width = height = width / 2 * math.sqrt(math.pi)
     if kind == "torus":
-        return jostle.Torus(width, height)
+        return Torus(width, height)
     (x, y), (across, down) = center, (width / 2, height / 2)
     return jostle.Box(x - across, y - down, x + across, y + down)
 
@@ -136,14 +135,14 @@ def _container_of(kind: str, rect: Rect, initial: str) -> Container:
 def moved_inside(positions: Floats, radii: Floats, container: Container) -> Floats:
     """Return the nearest positions inside the container."""
     if isinstance(container, jostle.Circle):
-        away = positions - np.array(container.center)
+        away = positions - container.center
         distance = np.sqrt(away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1])
         farthest = np.maximum(container.radius - radii, 0.0)
         share = farthest / np.maximum(distance, 1e-30)
-        near = np.array(container.center) + away * share[:, None]
+        near = container.center + away * share[:, None]
         # Those inside are not computed from their offset, whose rounding would move them.
         return np.where((distance > farthest)[:, None], near, positions)
-    if isinstance(container, jostle.Torus):
+    if isinstance(container, Torus):
         wrapped: Floats = np.mod(positions, np.array([container.width, container.height]))
         return wrapped
     if isinstance(container, jostle.Box):

@@ -54,7 +54,7 @@ class Emitters:
         return self.cap, self.emitted, self.debt
 
     def step(
-        self, world: jostle.World, dt: float, friction: float = 0.0
+        self, world: jostle.World, dt: float, friction: float = 0.0, restitution: float = 1.0
     ) -> NDArray[np.int64] | None:
         """Add the drops of the last `dt` seconds, and remove the oldest above the cap.
 
@@ -76,12 +76,14 @@ class Emitters:
             world.remove(world.ids[gone])
         if count:
             numbers = np.arange(first, first + count)
-            self._emit(world, numbers, ages[len(ages) - count :], friction)
+            columns = self._new(world, numbers, ages[len(ages) - count :])
+            world.add(**columns, friction=friction, restitution=restitution)
         return gone if len(gone) else None
 
-    def _emit(
-        self, world: jostle.World, numbers: NDArray[np.int64], ages: Floats, friction: float
-    ) -> None:
+    def _new(
+        self, world: jostle.World, numbers: NDArray[np.int64], ages: Floats
+    ) -> dict[str, Floats]:
+        """Return the columns of new drops."""
         across, size, *tries = self._random(numbers)
         nozzle = np.searchsorted(self._shares, (numbers + 0.5) * GOLDEN % 1, side="right")
         nozzle = np.minimum(nozzle, len(self._shares) - 1)
@@ -91,15 +93,15 @@ class Emitters:
         places = mine["position"] + sideways * ((across - 0.5) * mine["width"])[:, None]
         aside = in_disc(np.column_stack(tries).reshape(-1, TRIES, 2))
         velocities = straight + aside * mine["spread"][:, None]
-        gravity, age = np.array(world.gravity), ages[:, None]
+        gravity, age = world.gravity, ages[:, None]
         smallest, largest = mine["radii"].T
-        world.add(
-            places + velocities * age + gravity * age**2 / 2,
-            smallest + (largest - smallest) * size,
-            velocities=velocities + gravity * age,
-            densities=mine["density"],
-            friction=friction,
-        )
+        radii = smallest + (largest - smallest) * size
+        return {
+            "positions": places + velocities * age + gravity * age**2 / 2,
+            "radii": radii,
+            "velocities": velocities + gravity * age,
+            "masses": mine["density"] * radii**2,
+        }
 
     def _random(self, numbers: NDArray[np.int64]) -> Floats:
         """Return numbers in 0..1 that depend only on the seed and the drops' numbers."""

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
+from jostle_lab.simulate.region import Container, container_of
 from jostle_lab.simulate.settings import TRUTH, VECTOR
 from jostle_lab.simulate.settings import Rect as Rect
 from jostle_lab.simulate.validation import COUNT, limited, or_none, real
 
 Point = tuple[float, float]
-Container = jostle.Box | jostle.Circle | jostle.Torus | None
 Tags = NDArray[np.int64]
 
 STRONGEST = 1e6  # 1/s², of an attractor; the user interface allows at most 40
@@ -171,6 +171,9 @@ class ParticleTable:
         self.categories: NDArray[np.uint32] = world.categories
         self.masks: NDArray[np.uint32] = world.masks
         self.friction = float(world.friction.max(initial=0.0))  # the largest coefficient
+        # That of the first movable particle, or else of the first: new ones have it, too.
+        bounces = world.restitution
+        self.restitution = float(bounces[self.movable.argmax()]) if len(bounces) else 1.0
         self.turns = self.friction > 0 or bool(world.angular_velocities.any())
         self._usual_mass: float | None = None
         masses, areas = world.masses, self.radii**2
@@ -208,11 +211,9 @@ def frame_of(
         movable=columns.movable,
         tags=columns.tags,
         born=columns.born,
-        container=world.container,
+        container=container_of(world),
         stats=_stats(world),
-        energies=Energies(world.kinetic_energy(), world.potential_energy(), world.momentum())
-        if request.energies
-        else None,
+        energies=_energies(world) if request.energies else None,
         tree=world.quadtree().nodes() if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(forces, columns),
@@ -225,6 +226,11 @@ def frame_of(
         masks=columns.masks,
         **more,
     )
+
+
+def _energies(world: jostle.World) -> Energies:
+    x, y = world.momentum().tolist()
+    return Energies(world.kinetic_energy(), world.potential_energy(), (x, y))
 
 
 def _sensors(world: jostle.World, columns: ParticleTable) -> NDArray[np.int8]:

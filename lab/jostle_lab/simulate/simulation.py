@@ -33,6 +33,7 @@ from jostle_lab.simulate.frame import (
     Tags,
     frame_of,
 )
+from jostle_lab.simulate.region import container_of, set_container, with_restitution
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import (
     COUNT,
@@ -55,12 +56,14 @@ SPEED_LIMIT = 4.0  # of a held particle, in diagonals of the view per second
 
 # Settings that are attributes of a world, by the same name.
 WORLD_SETTINGS = (
-    *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
-    *("threads", "on_touch", "sleeping"),
+    *("method", "leaf_capacity", "max_depth", "gravity", "drag", "substeps", "threads"),
+    *("on_touch", "sleeping"),
 )
+# Settings that are columns: of every particle.
+COLUMN_SETTINGS = "friction", "restitution"
 # The settings that `Simulation.adjust` can change while it runs.
-ADJUSTABLE = frozenset(WORLD_SETTINGS) | {
-    *("friction", "wall_friction", "time_scale", "n", "world_size", "container", "matrix")
+ADJUSTABLE = frozenset((*WORLD_SETTINGS, *COLUMN_SETTINGS)) | {
+    *("wall_friction", "time_scale", "n", "world_size", "container", "matrix")
 }
 WIDTHS = {"positions": (2,), "velocities": (2,)}  # of one value of a column
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
@@ -93,17 +96,20 @@ class Simulation:
 
     def __init__(self, settings: Settings, view: Rect, world: jostle.World) -> None:
         self.settings, self.view, self.world = settings, view, world
-        for name in (*WORLD_SETTINGS, "friction", "container_restitution"):
+        for name in (*WORLD_SETTINGS, *COLUMN_SETTINGS):
             value = getattr(settings, name)
             if value is not None:
                 setattr(world, name, value)
+        sides = settings.container_restitution
+        if sides is not None:
+            set_container(world, with_restitution(container_of(world), sides))
         if settings.matrix is not None:
             set_matrix(world, settings.matrix)
         self._columns = ParticleTable(world)
         self._segments = WallSegments(world, len(world.walls))
         self._attractions = AttractorForces(world, self._columns, len(world.forces))
         self.emitters: Emitters | None = None
-        self._initial = InitialRegion.of(world.container, view, settings.n)
+        self._initial = InitialRegion.of(container_of(world), view, settings.n)
         if settings.world_size != 1.0 or settings.container is not None:
             self._fit_container()
 
@@ -138,10 +144,22 @@ class Simulation:
     @property
     def effective_settings(self) -> Settings:
         """Return the settings, with the values that apply in place of None."""
-        rules = {name: getattr(self.world, name) for name in WORLD_SETTINGS}
-        friction, of_walls = self._columns.friction, self.settings.wall_friction
-        of_walls = friction if of_walls is None else of_walls
-        return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
+        world, of_walls = self.world, self.settings.wall_friction
+        rules: dict[str, Any] = {name: getattr(world, name) for name in WORLD_SETTINGS}
+        rules |= self._surface
+        rules["gravity"] = tuple(world.gravity.tolist())
+        rules["substeps"] = world.substeps or world.stats.substeps or None
+        rules["wall_friction"] = rules["friction"] if of_walls is None else of_walls
+        return replace(self.settings, **rules)
+
+    @property
+    def _surface(self) -> dict[str, float]:
+        """Return the coefficients of new particles: those of the settings, or of the others."""
+        given = {name: getattr(self.settings, name) for name in COLUMN_SETTINGS}
+        return {
+            name: getattr(self._columns, name) if value is None else value
+            for name, value in given.items()
+        }
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
         return frame_of(
@@ -159,7 +177,7 @@ class Simulation:
             columns.update(world)
             self._attractions.merge(renumbered)
         if self.emitters is not None:
-            gone = self.emitters.step(world, self.time_step, columns.friction)
+            gone = self.emitters.step(world, self.time_step, **self._surface)
             if gone is not None or len(world) > len(columns.tags):
                 columns.update(world)
                 self._attractions.renew()
@@ -179,8 +197,8 @@ class Simulation:
                 set_matrix(self.world, value)
             elif name == "wall_friction":
                 self._segments.set_friction(value)
-            elif name == "friction":
-                self.world.friction = value
+            elif name in COLUMN_SETTINGS:
+                setattr(self.world, name, value)
                 self._columns.update(self.world)
             elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
@@ -190,16 +208,19 @@ class Simulation:
         return None
 
     def _center(self) -> NDArray[np.float64]:
-        return np.array(center_of(bounds(self.world.container) or self._initial.rect))
+        return np.array(center_of(bounds(container_of(self.world)) or self._initial.rect))
 
     def _fit_container(self) -> None:
         """Set the container of the settings, and move particles inside."""
         world, settings, before = self.world, self.settings, self._center()
-        world.container, self.view = self._initial.fitted(settings.container, settings.world_size)
+        container, view = self._initial.fitted(settings.container, settings.world_size)
+        container = with_restitution(container, settings.container_restitution)
+        set_container(world, container)
+        self.view = view
         shift = self._center() - before
         self._segments.shift(shift)
         places = world.positions.astype(np.float64) + shift
-        inside = moved_inside(places, self._columns.radii.astype(np.float64), world.container)
+        inside = moved_inside(places, self._columns.radii.astype(np.float64), container)
         world.positions = np.where(self._columns.movable[:, None], inside, places)
 
     def _set_count(self, n: int) -> None:
@@ -227,7 +248,7 @@ class Simulation:
         rows = rng.choice(rows, count)
         radii = columns.radii[rows]
         places, found = free_positions(
-            world.positions, columns.radii, radii, world.container, self.view,
+            world.positions, columns.radii, radii, container_of(world), self.view,
             int(rng.integers(2**31)), world.walls,
         )  # fmt: skip
         if len(found) == count:
@@ -254,20 +275,21 @@ class Simulation:
         """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
         with np.errstate(over="ignore"):  # the world refuses infinite values
             places = np.asarray(positions, np.float32).reshape(-1, 2)
+            masses = np.asarray(densities) * np.asarray(radii, np.float64) ** 2
         count = kind_count(self.world)
         if kinds is None and count is not None:
             kinds = (len(self.world) + np.arange(len(places))) % count
         tags = self.world.add(
             places,
             radii,
-            velocities=np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
-            densities=densities,
-            movable=np.asarray(movable),
-            sensors=np.asarray(sensors),
-            friction=self._columns.friction,
-            kinds=None if count is None else kinds,
-            categories=np.asarray(categories, np.uint32),
-            masks=np.asarray(masks, np.uint32),
+            velocities=velocities,
+            masses=masses,
+            movable=movable,
+            sensors=sensors,
+            kinds=0 if kinds is None else kinds,
+            categories=categories,
+            masks=masks,
+            **self._surface,
         )
         self._columns.update(self.world)
         return tags
@@ -332,7 +354,7 @@ class Simulation:
         dt, disc = self.time_step, self.world.read(tag)
         share = self._columns.usual_mass(self.world) / disc.masses
         rate = DRAG_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
-        offset = minimum_image(self.world.container, np.array(point) - disc.positions)
+        offset = minimum_image(container_of(self.world), np.array(point) - disc.positions)
         dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
         dragged /= (1 + dt * rate) ** 2
         limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)

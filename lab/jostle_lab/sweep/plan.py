@@ -11,7 +11,7 @@ from jostle_lab.simulate.validation import check
 #: What a setting changes in the world of a scene.
 SETTINGS = {
     "n": "number of particles",
-    "restitution": "coefficient of restitution of the world",
+    "restitution": "coefficient of restitution of all particles",
     "drag": "linear damping, per second",
     "friction": "coefficient of friction of all particles",
     "gravity": "acceleration downwards",
