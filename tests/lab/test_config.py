@@ -13,6 +13,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle_lab.simulate.forces import clear_of
 from jostle_lab.simulate.frame import Attractor
+from jostle_lab.simulate.region import Torus
 from jostle_lab.simulate.settings import RULES, Group, Polyline, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
@@ -57,8 +58,8 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
     simulation = start(config.settings)
     frame = simulation.frame()
     assert len(frame) == 1500 + 12 + 4
-    assert simulation.world.gravity == (0, 120)
-    assert simulation.world.restitution == pytest.approx(0.98)
+    assert simulation.world.gravity.tolist() == [0, 120]
+    assert (simulation.world.restitution == np.float32(0.98)).all()
     assert not frame.movable[-4:].any() and frame.movable[:-4].all()
     assert ((frame.radii[1500:1512] >= 12) & (frame.radii[1500:1512] <= 20)).all()
     assert (frame.velocities[1500:1512] == (60, 0)).all()
@@ -255,7 +256,8 @@ friction = 0.25
     simulation = start(read(tmp_path, text).settings)
     world = simulation.world
     assert world.walls[:, 0].tolist() == [[10, 10], [60, 10], [5, 50], [20, 50], [20.5, 60]]
-    assert world.wall_restitution.tolist() == [0.5, 0.5, 1, 1, 1]
+    nan = np.nan  # the coefficient of the disc
+    np.testing.assert_array_equal(world.wall_restitution, [0.5, 0.5, nan, nan, nan])
     assert np.nan_to_num(world.wall_friction, nan=-1).tolist() == [-1, -1, 0.25, 0.25, 0.25]
     frame = simulation.frame()
     assert frame.own_walls == len(frame.walls) == 5
@@ -269,7 +271,7 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     assert again.settings == simulation.settings and len(again.settings.walls) == 1
     frame = again.frame()
     assert (len(frame.walls), frame.own_walls) == (2, 1)
-    np.testing.assert_array_equal(again.world.wall_restitution, [0.5, 1])
+    np.testing.assert_array_equal(again.world.wall_restitution, [0.5, np.nan])
     for one in (simulation, again):
         one.step()
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
@@ -335,13 +337,48 @@ points = [[5, 50], [20, 50]]
 def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
     text = 'scene = "gas"\nn = 20\ncontainer_restitution = '
     simulation = start(read(tmp_path, text + "[0.5, 1, 0.25, 0]").settings)
-    assert simulation.world.container_restitution.tolist() == [0.5, 1, 0.25, 0]
+    assert simulation.world.container.restitution == (0.5, 1, 0.25, 0)
     assert simulation.adjust("container", "torus") is None
     simulation.step()
     again = saved_and_read(simulation, tmp_path)
     assert again.settings == simulation.settings
+    again.adjust("world_size", 2.0)
+    assert again.adjust("container", "box") is None
+    assert again.world.container.restitution == (0.5, 1, 0.25, 0)
     one = start(read(tmp_path, text + "0.5").settings)
-    assert one.world.container_restitution.tolist() == [0.5] * 4
+    assert one.world.container.restitution == 0.5
+    assert one.adjust("container", "circle") is None
+    assert one.world.container.restitution == 0.5
+
+
+def test_a_circle_has_one_restitution(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 20\ncontainer_restitution = [0.5, 1, 0.25, 0]'
+    simulation = start(read(tmp_path, text).settings)
+    before = simulation.world.container
+    why = "container_restitution is [0.5, 1, 0.25, 0]; a circle has one side"
+    assert simulation.adjust("container", "circle") == why
+    assert simulation.world.container == before and simulation.settings.container is None
+
+
+def test_a_wall_of_a_file_has_its_restitution_or_that_of_the_disc(tmp_path: Path) -> None:
+    """A contact has the square root of the product of both."""
+    for own, expected in (("", 0.5), ("restitution = 0.125", 0.25), ("restitution = 0", 0.0)):
+        text = f"""scene = "gas"
+n = 0
+container = "none"
+restitution = 0.5
+[[walls]]
+points = [[0, 0], [0, 9]]
+{own}
+[[particles]]
+region = [1, 4, 1, 4]
+radius = 0.5
+velocity = [-60, 0]
+"""
+        simulation = start(read(tmp_path, text).settings)
+        simulation.step()
+        speed = simulation.world.velocities[0, 0]
+        assert speed == pytest.approx(60 * expected, abs=1e-4), own
 
 
 def test_groups_of_a_file_do_not_overlap_its_walls(tmp_path: Path) -> None:
@@ -365,7 +402,7 @@ def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> N
     simulation.step()
     assert simulation.world.walls.tolist() == [[[-5, 0], [9, 9]]]
     long = text.replace("-5", "-5e4")
-    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls\[0\] is .* a torus"):
+    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls\[0\] is .* periodic"):
         start(read(tmp_path, long).settings)
 
 
@@ -375,13 +412,13 @@ def test_groups_do_not_overlap_images_of_walls_on_a_torus(tmp_path: Path) -> Non
     group = "[[particles]]\nradius = 0.3\ncount = 60\nregion = [0, 17, 20, 20]"
     text = f'scene = "gas"\nn = 0\ncontainer = "torus"\n{walls}\n{group}'
     frame = start(read(tmp_path, text).settings).frame()
-    assert frame.container == jostle.Torus(20, 20) and len(frame) == 60
+    assert frame.container == Torus(20, 20) and len(frame) == 60
     assert (frame.positions[:, 1] <= 20 - 0.3).all()
 
 
 def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:
     text = 'scene = "gas"\nn = 0\ncontainer = "none"\n[[particles]]\nradius = 1e18'
-    with pytest.raises(ValueError, match=r"^particles\[0\] cannot be added: radii\[0\] is 1000"):
+    with pytest.raises(ValueError, match=r"^particles\[0\] cannot be added: masses\[0\] is 1e36"):
         start(read(tmp_path, text).settings)
 
 

@@ -151,11 +151,10 @@ class WallSegments:
         """Add the sides of a polyline; own walls must be added before drawn ones."""
         world = self._world
         new = jostle.polyline(np.asarray(line.points, np.float32), closed=line.closed)
-        friction = np.nan if line.friction is None else line.friction
-        restitution = np.append(world.wall_restitution, np.full(len(new), line.restitution))
-        frictions = np.append(world.wall_friction, np.full(len(new), friction))
+        restitution = _appended(world.wall_restitution, line.restitution, len(new))
+        friction = _appended(world.wall_friction, line.friction, len(new))
         rows = np.arange(len(world.walls), len(world.walls) + len(new))
-        self._set(np.concatenate([world.walls, new]), restitution, frictions)
+        self._set(np.concatenate([world.walls, new]), restitution, friction)
         if any(line.velocity) and len(new):
             motor = jostle.Motor(walls=rows, velocity=line.velocity, period=line.period)
             world.forces = (*world.forces, motor)
@@ -192,6 +191,11 @@ class WallSegments:
     def _set(self, ends: Ends, restitution: Floats, friction: Floats) -> None:
         self._world.walls = ends  # this alone can be refused
         self._world.wall_restitution, self._world.wall_friction = restitution, friction
+
+
+def _appended(column: Floats, value: float | None, count: int) -> Floats:
+    """Return a column of walls with new rows; None is the coefficient of the particle."""
+    return np.append(column, np.full(count, np.nan if value is None else value))
 
 
 def nearest(ends: Floats, point: Point) -> tuple[int, float]:

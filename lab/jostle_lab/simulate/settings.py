@@ -106,7 +106,8 @@ class Polyline:
 
     points: tuple[Vector, ...] = limited(Many(VECTOR, "a list of points, each [x, y]", MOST_LINES))
     closed: bool = limited(TRUTH, False)  # whether there is a wall from the last point to the first
-    restitution: float = limited(real(0, 1), 1.0)  # times those of the world and the particle
+    # A contact has the square root of the product with that of the particle; this alone, if None.
+    restitution: float | None = limited(or_none(real(0, 1)), None)
     friction: float | None = limited(or_none(real(0)), None)  # that of the particle, if None
     velocity: Vector = limited(VECTOR, (0.0, 0.0))  # world units per second
     # Of the motion back and forth, in seconds; without it if None.
@@ -172,7 +173,7 @@ class Settings:
     container: ContainerKind | None = limited(or_none(one_of(*CONTAINERS)), None)
     gravity: Vector | None = limited(or_none(VECTOR), None)  # world units per second squared
     drag: float | None = limited(or_none(real(0)), None)  # 1/s
-    restitution: float | None = limited(or_none(real(0, 1)), None)
+    restitution: float | None = limited(or_none(real(0, 1)), None)  # of every particle
     substeps: int | None = limited(or_none(whole(1, 1_000)), None)
     threads: int | None = limited(or_none(THREADS), None)
     on_touch: OnTouch | None = limited(or_none(one_of(*ON_TOUCH)), None)
@@ -181,7 +182,8 @@ class Settings:
     friction: float | None = limited(or_none(real(0)), None)  # of every particle
     sleeping: bool | None = limited(or_none(TRUTH), None)  # whether resting particles may sleep
     walls: tuple[Polyline, ...] = limited(LINES, ())  # in addition to those of the scene
-    # Of the sides of the container: of all, or at min x, max x, min y and max y.
+    # Of the sides of the container: of all, or at min x, max x, min y and max y; that of the
+    # particle, if None.
     container_restitution: float | Rect | None = limited(or_none(SIDES), None)
     # Of walls that a user draws; that of the particle, if None.
     wall_friction: float | None = limited(or_none(real(0)), None)
