@@ -1402,7 +1402,7 @@ class Quadtree(_Queries):
             Whether to sort the contacts by the first, then by the second shape of the pair. If
             False, they come in the order of :meth:`pairs`.
         max_pairs : int, default 134217728
-            Maximum number of pairs to return. Each takes 80 bytes, in float32 52, and about as
+            Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
             much during the search; memory is allocated only for the pairs that are found.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
@@ -1410,7 +1410,7 @@ class Quadtree(_Queries):
         Returns
         -------
         Contacts
-            Five arrays:
+            Three arrays:
 
             pairs : ndarray of int64, shape (m, 2)
                 As from :meth:`pairs`: row numbers i and j.
@@ -1420,11 +1420,6 @@ class Quadtree(_Queries):
             depths : ndarray of the tree's dtype, shape (m,)
                 Penetration: the distance that j must move along the normal until the two only
                 touch.
-            points : ndarray of the tree's dtype, shape (m, 2, 2)
-                One or two points in the middle of the overlap; NaN for a second one that does not
-                exist.
-            categories : ndarray of uint32, shape (m, 2)
-                The categories of i and j.
 
         Raises
         ------
@@ -1444,9 +1439,8 @@ class Quadtree(_Queries):
         --------
         >>> import jostle
         >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
-        >>> contacts = tree.contacts()
-        >>> contacts.pairs, contacts.normals, contacts.depths
-        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
+        >>> tree.contacts()
+        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
         >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
         >>> tree.contacts(walls, sort=True).depths
         array([0.5, 1.5])
@@ -2261,7 +2255,7 @@ class Space(_Queries):
         Returns
         -------
         Contacts
-            The pairs with their normals, depths, points and categories.
+            The pairs with their normals and depths.
 
             pairs : ndarray of int64, shape (m, 2)
                 Ids i and j of each pair, the smaller first, every pair once.
@@ -2271,11 +2265,6 @@ class Space(_Queries):
             depths : ndarray of the space's dtype, shape (m,)
                 Penetration: the distance that j must move along the normal until the two only
                 touch.
-            points : ndarray of the space's dtype, shape (m, 2, 2)
-                One or two points in the middle of the overlap; NaN for a second one that does not
-                exist.
-            categories : ndarray of uint32, shape (m, 2)
-                The categories of i and j.
 
         Raises
         ------
@@ -2291,11 +2280,8 @@ class Space(_Queries):
         >>> import jostle
         >>> space = jostle.Space()
         >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
-        >>> contacts = space.contacts()
-        >>> contacts.pairs, contacts.normals, contacts.depths
-        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
-        >>> contacts.points[:, 0]
-        array([[0.  , 0.75]])
+        >>> space.contacts()
+        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
         """
     @property
     def walls(self) -> NDArray[np.floating[Any]]:
@@ -2359,7 +2345,6 @@ class Events:
     --------
     Space.update : Returns it.
     WorldEvents : The same for particles.
-    Contacts.between : The same choice by categories, of contacts.
 
     Examples
     --------
