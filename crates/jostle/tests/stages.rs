@@ -111,7 +111,7 @@ fn belt() -> World {
     let velocities = (0..81).map(|_| [random.between(-9.0, 9.0), random.between(-9.0, 9.0)]);
     let positions = (0..81).map(place).collect();
     let mut all = Particles::new(positions, velocities.collect(), vec![1.1; 81], 1.0);
-    all.restitution.iter_mut().step_by(2).for_each(|of| *of = 0.49);
+    all.restitution.iter_mut().step_by(2).for_each(|of| *of = 0.7 * 0.7);
     all.filters_mut()[..20].fill(Filter { category: 2, mask: 3 });
     all.filters_mut()[20..25].fill(Filter { category: 4, mask: 4 });
     all.sensors_mut()[40] = true;

@@ -21,8 +21,7 @@ impl Ours {
             tree: Settings { threads: Some(workers), ..Settings::default() },
             ..WorldSettings::default()
         };
-        let mut discs =
-            Particles::new(positions.clone(), velocities.clone(), radii.clone(), 1.0);
+        let mut discs = Particles::new(positions.clone(), velocities.clone(), radii.clone(), 1.0);
         discs.restitution.fill(start.restitution);
         Self(World::new(discs, settings).expect("a valid start"))
     }
