@@ -190,7 +190,7 @@ def made_anew(world: jostle.World, on_touch: str) -> jostle.World:
         velocities=world.velocities,
         masses=world.masses,
         gravity=(0, 3),
-        restitution=0.5,
+        restitution=world.restitution,
         container=world.container,
         on_touch=on_touch,
         forces=forces,

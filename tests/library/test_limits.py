@@ -327,7 +327,8 @@ for method, some in (("quadtree", points), ("brute", points[:2100])):
     )
     assert len(found) > 0 and np.array_equal(found, expected), method
 jostle.Quadtree(points, 0.002, threads=2).nearest(points[:600], k=2)
-world = jostle.World(points * 99, points, 0.01, forces=[jostle.Gravitation(1.0)], threads=2)
+pull = jostle.Gravitation(1.0)
+world = jostle.World(points * 99, 0.01, velocities=points, forces=[pull], threads=2)
 world.step(0.01)
 print(len(world))
 """

@@ -388,7 +388,10 @@ impl Region for PyCircle {
 
     fn clipped(&self, point: [f64; 2], margin: f64) -> [f64; 2] {
         let offset = self.offset(point);
-        let (distance, most) = (offset[0].hypot(offset[1]), f64::from(self.radius) - margin);
+        let (distance, most) = (
+            (offset[0] * offset[0] + offset[1] * offset[1]).sqrt(),
+            f64::from(self.radius) - margin,
+        );
         if distance <= most {
             return point;
         }

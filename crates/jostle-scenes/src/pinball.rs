@@ -10,11 +10,15 @@ use jostle_world::forces::{Influence, Motor};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
 use jostle_world::world::WorldSettings;
+use jostle_world::{Sides, Surface};
 
 /// Width and height of a table for this number of balls; tables for more balls are larger.
 const TABLE: [f32; 2] = [300.0, 500.0];
 const BALLS: f32 = 12.0;
 const BALL: f32 = 7.0;
+
+/// Coefficient of restitution of a ball and something elastic.
+const BOUNCE: f32 = 0.9;
 
 /// Positions and radii of the bumpers, in widths of the table.
 const BUMPERS: [([f32; 2], f32); 7] = [
@@ -76,9 +80,16 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
     let places = lattice(n, [u, v, width - u, 0.42 * width], 0.0, random)?;
     let velocities = memory::collect((0..n).map(|_| random.in_disc().map(|v| v * 300.0)))?;
     let mut balls = Particles::try_new(places, velocities, memory::filled(n, BALL)?, 1.0)?;
-    balls.restitution.fill(0.81);
+    balls.restitution.fill(BOUNCE * BOUNCE);
     particles.try_extend(&balls)?;
-    let settings = WorldSettings { gravity: [0.0, 500.0], drag: 0.05, ..boxed(pinball_view(n)) };
+    // Balls bounce with 0.9 off bumpers, flippers, the floor and the sides, which are elastic.
+    let elastic = Surface { restitution: Some(1.0), friction: None };
+    let settings = WorldSettings {
+        gravity: [0.0, 500.0],
+        drag: 0.05,
+        sides: Sides([elastic; 4]),
+        ..boxed(pinball_view(n))
+    };
     let mut start = Start::new(particles, settings);
     for is_right in [false, true] {
         let side = |line: &[[f32; 2]]| -> Vec<[f32; 2]> {
@@ -91,9 +102,7 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
     // Slightly shorter than the distance between the guides, so that it touches neither.
     let (y, inset) = (0.96 * scale(n) * TABLE[1], 0.3 * BALL);
     let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
-    let mut floor_wall = Wall::new(ends.map(|x| [x, y]));
-    floor_wall.surface.restitution = Some(1.0);
-    start.walls.push(floor_wall);
+    start.walls.push(Wall { surface: elastic, ..Wall::new(ends.map(|x| [x, y])) });
     start.forces.extend(flippers.map(Influence::Motor));
     Ok(start.with(Influence::Motor(Motor {
         walls: vec![floor],

@@ -48,9 +48,9 @@ const PINNED_STARS: (u64, usize) = (0xdac9_604a_877e_5dfa, 1177);
 /// State of some scenes whose particles have friction and spin, in the same way.
 const PINNED_WITH_FRICTION: [(u64, &str); 4] = [
     (0x3d34_203f_909a_e463, "gas"),
-    (0x4b51_1c83_134a_c90b, "pile"),
+    (0x1ea2_787f_1a1c_5d09, "pile"),
     (0x5117_b759_bc3b_cc75, "mixed"),
-    (0x3bbe_4829_ce8f_579b, "sand"),
+    (0xd23f_8072_6c37_1b80, "sand"),
 ];
 
 /// A scene whose particles have friction and spin.

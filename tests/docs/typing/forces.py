@@ -19,7 +19,7 @@ def made(kinds: NDArray[np.int64]) -> None:
     assert_type(jostle.PairForce.soft_discs([0], 1.0, [[2.0]], damping=1), jostle.PairForce)
     birds = jostle.Flocking(5, 1.0, 2.0, 3.0, float("inf"), min_speed=1)
     world = jostle.World([(0, 0)], 1.0, forces=[force, birds])
-    assert_type(world.add((0, 0), kinds=1), int)
+    assert_type(world.add((0, 0), 1, kinds=1), int)
     assert_type(life.matrix_of(force), NDArray[np.float64] | None)
     assert_type(life.core_of(force), float)
     assert_type(life.random_matrix(np.random.default_rng(), 3), NDArray[np.float64])

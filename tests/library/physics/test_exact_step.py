@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from event_driven import Floats, Result, simulate
-from gases import Container, displacements, lattice, period_of, random_velocities
+from gases import Period, displacements, lattice, period_of, random_velocities
 from numpy.typing import ArrayLike
 
 import jostle
@@ -69,9 +69,9 @@ def world(state: Discs, **settings: Any) -> jostle.World:
     )
 
 
-def separation(a: ArrayLike, b: ArrayLike, container: Container = None) -> Floats:
+def separation(a: ArrayLike, b: ArrayLike, period: Period = None) -> Floats:
     """Return the distance of each position from its counterpart, on a torus the minimum image."""
-    d = displacements(a, b, container)
+    d = displacements(a, b, period)
     lengths: Floats = np.hypot(d[:, 0], d[:, 1])
     return lengths
 
@@ -80,15 +80,17 @@ def energy(world: jostle.World) -> float:
     return world.kinetic_energy() + world.potential_energy()
 
 
-def deepest(positions: ArrayLike, radii: Floats, container: Container = None) -> float:
+def deepest(positions: ArrayLike, radii: Floats, period: Period = None) -> float:
     """Return the largest overlap of two discs; negative if none overlap."""
     positions = np.asarray(positions, float)
     i, j = np.triu_indices(len(positions), 1)
-    distances = separation(positions[i], positions[j], container)
+    distances = separation(positions[i], positions[j], period)
     return float((radii[i] + radii[j] - distances).max())
 
 
-def gas(n: int, eta: float, seed: int, container: Container, **settings: Any) -> Discs:
+def gas(
+    n: int, eta: float, seed: int, period: Period = None, container: Any = None, **settings: Any
+) -> Discs:
     """Return discs of radius 1 after some collisions each, computed by the reference.
 
     In a box or circle, discs whose place on the lattice is outside are left out.
@@ -96,15 +98,16 @@ def gas(n: int, eta: float, seed: int, container: Container, **settings: Any) ->
     rng = np.random.default_rng(seed)
     side = math.sqrt(n * math.pi / eta)
     positions = lattice(n, side, side)
-    if isinstance(container, jostle.Circle):
-        inside = np.hypot(*(positions - container.center).T) < container.radius - 1.01
+    if isinstance(period, jostle.Circle):
+        inside = np.hypot(*(positions - period.center).T) < period.radius - 1.01
         positions = positions[inside]
-    elif isinstance(container, jostle.Box):
+    elif isinstance(period, jostle.Box):
         positions = positions[((positions > 1.01) & (positions < side - 1.01)).all(axis=1)]
     velocities = random_velocities(len(positions), rng)
     # A slightly larger radius leaves gaps that rounding to float32 cannot close.
     path = 2 if eta > 0.5 else 4
-    result = simulate(positions, velocities, 1.001, 1.0, path, container=container, **settings)
+    regions = {"period": period, "container": container}
+    result = simulate(positions, velocities, 1.001, 1.0, path, **regions, **settings)
     return discs(result.positions, result.velocities, np.ones(len(positions)), 1.0)
 
 
@@ -251,15 +254,15 @@ def assert_step_agrees(state: Discs, path: float, share: float, **settings: Any)
     perturbed by 1e-6, which is float32 rounding at the coordinates of these gases. `share` is the
     least share kept.
     """
-    container = settings.get("container")
+    period = settings.get("period")
     expected = simulate(*state, path, **settings)
     shaken = simulate(*state.perturbed(1e-6, np.random.default_rng(1)), path, **settings)
-    kept = separation(expected.positions, shaken.positions, container) < 1e-4
+    kept = separation(expected.positions, shaken.positions, period) < 1e-4
     kept &= separation(expected.velocities, shaken.velocities) < 1e-4
     assert kept.mean() >= share
     one = world(state, **settings)
     one.step(path)
-    assert separation(one.positions, expected.positions, container)[kept].max() < 1e-3
+    assert separation(one.positions, expected.positions, period)[kept].max() < 1e-3
     assert separation(one.velocities, expected.velocities)[kept].max() < 1e-3
 
 
@@ -752,14 +755,14 @@ def measure_long_steps() -> None:
     period = period_of(n, eta)
     velocities = random_velocities(n, np.random.default_rng(0))
     state = discs(lattice(n, *period), velocities, np.ones(n))
-    for container in jostle.Box(0, 0, *period), period:
+    for region in {"container": jostle.Box(0, 0, *period)}, {"period": period}:
         for radii, steps in (1.0, 1000), (10.0, 100), (100.0, 10), (1000.0, 1):
-            one = world(state, container=container, threads=1)
+            one = world(state, **region, threads=1)
             one.step(1.0, steps=20)
             begun = time.perf_counter()
             one.step(radii, steps=steps)
             seconds = time.perf_counter() - begun
-            print(f"{type(container).__name__}, {steps} steps of {radii:g} radii: {seconds:.2f} s")
+            print(f"{list(region)}, {steps} steps of {radii:g} radii: {seconds:.2f} s")
 
 
 if __name__ == "__main__":

@@ -337,20 +337,20 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
     400 discs, in several windows of a step, are smaller in the mean.
     """
     n, rng = 400, np.random.default_rng(7)
-    period = period_of(n, 0.5)
-    container = period if walls == "torus" else None
+    sides = period_of(n, 0.5)
+    period = sides if walls == "torus" else None
     velocities = random_velocities(n, rng) + rng.normal(size=2)
     radii, masses = rng.uniform(0.6, 1.0, n), rng.uniform(0.5, 2.0, n)
-    positions = lattice(n, *period)
+    positions = lattice(n, *sides)
     gas = jostle.World(
-        positions, radii, velocities=velocities, masses=masses, container=container, substeps=1
+        positions, radii, velocities=velocities, masses=masses, period=period, substeps=1
     )
     masses = gas.masses.astype(float)
     for _ in range(3):
         before, momentum = gas.positions, np.array(gas.momentum())
         gas.step(dt)
         assert gas.stats.unresolved == 0
-        moved = masses @ displacements(gas.positions, before, container) / masses.sum()
+        moved = masses @ displacements(gas.positions, before, period) / masses.sum()
         np.testing.assert_allclose(moved, momentum / masses.sum() * dt, rtol=0, atol=2**-18)
         np.testing.assert_allclose(gas.momentum(), momentum, rtol=0, atol=1e-7 * masses.sum())
 
