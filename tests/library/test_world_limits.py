@@ -44,7 +44,7 @@ def overflowing() -> jostle.World:
 def test_a_step_that_overflows_names_the_id_where_it_is_not_the_row() -> None:
     world = overflowing()
     world.remove(world.add((-15, 0), 0.1, masses=1.0))
-    ids = world.add([(10, 0), (13, 0), (16, 0)])
+    ids = world.add([(10, 0), (13, 0), (16, 0)], 1.0, masses=1e26)
     world.remove([0, 1, 2])
     with pytest.raises(ValueError, match="would make") as error:
         world.step(0.01, 1000)
@@ -208,7 +208,7 @@ def test_a_handler_that_uses_the_world_during_a_step_is_told_why_it_cannot() -> 
 
 
 def test_a_particle_without_radius_needs_a_mass() -> None:
-    sentence = r"radii\[1\] is 0; its mass, density times radius squared, would be 0e0, but must"
+    sentence = r"radii\[1\] is 0; its mass, the square of the radius, would be 0e0, but must"
     with pytest.raises(ValueError, match=sentence):
         jostle.World([(0, 0), (1, 1)], [1, 0])
     assert len(jostle.World([(0, 0), (1, 1)], [1, 0], masses=1)) == 2

@@ -98,10 +98,10 @@ def gas(
     rng = np.random.default_rng(seed)
     side = math.sqrt(n * math.pi / eta)
     positions = lattice(n, side, side)
-    if isinstance(period, jostle.Circle):
-        inside = np.hypot(*(positions - period.center).T) < period.radius - 1.01
+    if isinstance(container, jostle.Circle):
+        inside = np.hypot(*(positions - container.center).T) < container.radius - 1.01
         positions = positions[inside]
-    elif isinstance(period, jostle.Box):
+    elif isinstance(container, jostle.Box):
         positions = positions[((positions > 1.01) & (positions < side - 1.01)).all(axis=1)]
     velocities = random_velocities(len(positions), rng)
     # A slightly larger radius leaves gaps that rounding to float32 cannot close.

@@ -49,7 +49,7 @@ use crate::arrays::Given;
 /// ...     [(-2, 0), (2, 0)], .1, velocities=[(0, -.25), (0, .25)], masses=1.0, forces=[pull]
 /// ... )
 /// >>> world.step(0.1, steps=100)
-/// >>> [abs(round(p, 5)) for p in world.momentum()]
+/// >>> [abs(round(p, 5)) for p in world.momentum().tolist()]
 /// [0.0, 0.0]
 #[pyclass(module = "jostle", name = "Gravitation", frozen, eq)]
 #[derive(PartialEq)]

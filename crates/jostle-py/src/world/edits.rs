@@ -159,7 +159,7 @@ impl PyWorld {
     /// >>> world = jostle.World([(0, 0), (5, 0)], 1.0)
     /// >>> world.set([1], velocities=[(2, 0)], masses=3.0)
     /// >>> world.momentum()
-    /// (6.0, 0.0)
+    /// array([6., 0.])
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(
         signature = (ids, **columns),
