@@ -36,7 +36,7 @@ const PINNED: [(&str, u64); 24] = [
     ("mill", 0xdd58_0858_2549_ce66),
     ("conveyor", 0xbc19_cfd7_6a39_e822),
     ("piston", 0xec36_bf00_0d63_c92c),
-    ("pinball", 0x6ca8_8245_dc4f_9680),
+    ("pinball", 0x5d12_a0db_e70f_a6c0),
     ("life", 0xf6b8_12be_fc85_cf14),
     ("flock", 0x47f9_7fb8_f454_0e81),
     ("fluid", 0x9dee_90f6_5355_cf38),
