@@ -1402,7 +1402,7 @@ class Quadtree(_Queries):
             Whether to sort the contacts by the first, then by the second shape of the pair. If
             False, they come in the order of :meth:`pairs`.
         max_pairs : int, default 134217728
-            Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
+            Maximum number of pairs to return. Each takes 80 bytes, in float32 52, and about as
             much during the search; memory is allocated only for the pairs that are found.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
@@ -1410,7 +1410,7 @@ class Quadtree(_Queries):
         Returns
         -------
         Contacts
-            Three arrays:
+            Five arrays:
 
             pairs : ndarray of int64, shape (m, 2)
                 As from :meth:`pairs`: row numbers i and j.
@@ -1420,6 +1420,11 @@ class Quadtree(_Queries):
             depths : ndarray of the tree's dtype, shape (m,)
                 Penetration: the distance that j must move along the normal until the two only
                 touch.
+            points : ndarray of the tree's dtype, shape (m, 2, 2)
+                One or two points in the middle of the overlap; NaN for a second one that does not
+                exist.
+            categories : ndarray of uint32, shape (m, 2)
+                The categories of i and j.
 
         Raises
         ------
@@ -1439,8 +1444,9 @@ class Quadtree(_Queries):
         --------
         >>> import jostle
         >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
-        >>> tree.contacts()
-        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+        >>> contacts = tree.contacts()
+        >>> contacts.pairs, contacts.normals, contacts.depths
+        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
         >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
         >>> tree.contacts(walls, sort=True).depths
         array([0.5, 1.5])
@@ -2255,7 +2261,7 @@ class Space(_Queries):
         Returns
         -------
         Contacts
-            The pairs with their normals and depths.
+            The pairs with their normals, depths, points and categories.
 
             pairs : ndarray of int64, shape (m, 2)
                 Ids i and j of each pair, the smaller first, every pair once.
@@ -2265,6 +2271,11 @@ class Space(_Queries):
             depths : ndarray of the space's dtype, shape (m,)
                 Penetration: the distance that j must move along the normal until the two only
                 touch.
+            points : ndarray of the space's dtype, shape (m, 2, 2)
+                One or two points in the middle of the overlap; NaN for a second one that does not
+                exist.
+            categories : ndarray of uint32, shape (m, 2)
+                The categories of i and j.
 
         Raises
         ------
@@ -2280,8 +2291,11 @@ class Space(_Queries):
         >>> import jostle
         >>> space = jostle.Space()
         >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
-        >>> space.contacts()
-        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+        >>> contacts = space.contacts()
+        >>> contacts.pairs, contacts.normals, contacts.depths
+        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
+        >>> contacts.points[:, 0]
+        array([[0.  , 0.75]])
         """
     @property
     def walls(self) -> NDArray[np.floating[Any]]:
@@ -2345,6 +2359,7 @@ class Events:
     --------
     Space.update : Returns it.
     WorldEvents : The same for particles.
+    Contacts.between : The same choice by categories, of contacts.
 
     Examples
     --------
@@ -2584,7 +2599,7 @@ class World:
         positions: _Vectors | None = None,
         radii: ArrayLike | None = None,
         *,
-        velocities: ArrayLike = (0.0, 0.0),
+        velocities: _Vectors = (0.0, 0.0),
         masses: ArrayLike | None = None,
         angles: ArrayLike = 0.0,
         angular_velocities: ArrayLike = 0.0,
@@ -2656,7 +2671,7 @@ class World:
         positions: _Point,
         radii: ArrayLike,
         *,
-        velocities: ArrayLike = (0.0, 0.0),
+        velocities: _Vectors = (0.0, 0.0),
         masses: ArrayLike | None = None,
         angles: ArrayLike = 0.0,
         angular_velocities: ArrayLike = 0.0,
@@ -2714,7 +2729,7 @@ class World:
         positions: _Points,
         radii: ArrayLike,
         *,
-        velocities: ArrayLike = (0.0, 0.0),
+        velocities: _Vectors = (0.0, 0.0),
         masses: ArrayLike | None = None,
         angles: ArrayLike = 0.0,
         angular_velocities: ArrayLike = 0.0,
@@ -2732,7 +2747,7 @@ class World:
         positions: Sequence[_Real],
         radii: ArrayLike,
         *,
-        velocities: ArrayLike = (0.0, 0.0),
+        velocities: _Vectors = (0.0, 0.0),
         masses: ArrayLike | None = None,
         angles: ArrayLike = 0.0,
         angular_velocities: ArrayLike = 0.0,
@@ -2750,7 +2765,7 @@ class World:
         positions: _Undecided,
         radii: ArrayLike,
         *,
-        velocities: ArrayLike = (0.0, 0.0),
+        velocities: _Vectors = (0.0, 0.0),
         masses: ArrayLike | None = None,
         angles: ArrayLike = 0.0,
         angular_velocities: ArrayLike = 0.0,
@@ -2852,7 +2867,7 @@ class World:
         >>> world = jostle.World([(0, 0), (5, 0)], 1.0)
         >>> world.set([1], velocities=[(2, 0)], masses=3.0)
         >>> world.momentum()
-        (6.0, 0.0)
+        array([6., 0.])
         >>> world.set(0, positions=(2, 1))
         """
     def force(self, ids: ArrayLike, forces: _Vectors) -> None:
@@ -4243,7 +4258,7 @@ class Gravitation:
     ...     [(-2, 0), (2, 0)], .1, velocities=[(0, -.25), (0, .25)], masses=1.0, forces=[pull]
     ... )
     >>> world.step(0.1, steps=100)
-    >>> [abs(round(p, 5)) for p in world.momentum()]
+    >>> [abs(round(p, 5)) for p in world.momentum().tolist()]
     [0.0, 0.0]
     """
 

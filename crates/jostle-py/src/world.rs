@@ -113,6 +113,19 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 ///     one, which has the position and the velocity of the heaviest of these; momentum is lost.
 ///     Particles do not merge if the result would not fit into the container. "ignore" lets them
 ///     pass through each other.
+/// sleeping : bool, default True
+///     Whether islands of touching particles that rest fall asleep under gravity, if the
+///     coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
+///     speed below 0.01 √(g r), where r is the radius.
+/// substeps : int, optional
+///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
+///     default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+///     accelerations, or with gravity or forces and friction or a restitution below 1; otherwise 1. If
+///     contacts may rest and a particle presses on a touching one with 1/10,000 to 1/128 of its mass,
+///     there are 2 to 8 times as many. A step whose
+///     particles travel far is divided into parts, which share the sub-steps; each part has at least one.
+/// track_events : bool, default False
+///     Whether `events` reports which pairs began and ceased to touch in each call of `step`.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found; the pairs are the same.
 /// threads : int, optional
@@ -121,19 +134,6 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 ///     Particles that a box of the tree may hold before it splits.
 /// max_depth : int, default 4096
 ///     Maximum number of subdivisions of the tree; the default never prevents a split.
-/// substeps : int, optional
-///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-///     default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
-///     accelerations, or with gravity or forces and friction or a restitution below 1; otherwise 1. If
-///     contacts may rest and a particle presses on a touching one with 1/10,000 to 1/128 of its mass,
-///     there are 2 to 8 times as many. A step whose
-///     particles travel far is divided into parts, which share the sub-steps; each part has at least one.
-/// sleeping : bool, default True
-///     Whether islands of touching particles that rest fall asleep under gravity, if the
-///     coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
-///     speed below 0.01 √(g r), where r is the radius.
-/// track_events : bool, default False
-///     Whether `events` reports which pairs began and ceased to touch in each call of `step`.
 ///
 /// Raises
 /// ------

@@ -442,7 +442,7 @@ fn forces_that_do_not_fit_are_refused() {
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });
     assert_eq!(
         small.unwrap_err().to_string(),
-        "forces[0] is a force with the cutoff 4; on Torus(100, 7) a cutoff is at most 3.5"
+        "forces[0] is a force with the cutoff 4; with a period of (100, 7) a cutoff is at most 3.5"
     );
     assert_eq!(world.settings().container, Container::None);
     let wrong = |found: jostle_base::Result<PairTable>| found.unwrap_err().to_string();

@@ -716,7 +716,7 @@ fn a_refused_step_leaves_the_world_as_it_was() {
     }
     let torus = Container::Torus { size: [100.0; 2] };
     world.configure(WorldSettings { container: torus, ..*world.settings() }).unwrap();
-    assert!(world.step(1.0, 1).unwrap_err().to_string().contains("circle the torus"));
+    assert!(world.step(1.0, 1).unwrap_err().to_string().contains("times the period"));
 }
 
 #[test]

@@ -281,7 +281,7 @@ fn walls_that_do_not_fit_are_refused() {
     let disc = || discs(&[([5.0; 2], [1.0, 0.0])], 1.0);
     let mut torus = world_of(disc(), on([12.0, 9.0], WorldSettings::default()));
     let error = torus.set_walls(vec![long]).expect_err("it is too long").to_string();
-    let expected = "walls[0] is ((0, 1), (12.5, 1)); on a torus a wall may extend over each side \
+    let expected = "walls[0] is ((0, 1), (12.5, 1)); in a periodic world a wall may extend over each side \
                     once at most";
     assert_eq!(error, expected);
     assert!(torus.walls().is_empty());
@@ -294,5 +294,8 @@ fn walls_that_do_not_fit_are_refused() {
     let fast = Wall { velocity: [800.0, 0.0], ..long };
     plane.set_walls(vec![fast]).expect("valid");
     let error = plane.step(STEP, 1).expect_err("it is too fast").to_string();
-    assert!(error.ends_with("wall 0 would circle the torus; take smaller steps"), "{error}");
+    assert!(
+        error.ends_with("wall 0 would travel more than the period; take smaller steps"),
+        "{error}"
+    );
 }

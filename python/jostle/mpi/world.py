@@ -508,6 +508,15 @@ class World:
 
         The exact sum, rounded once, so it is the same for every number of ranks. That of
         `jostle.World` is rounded after each addition and may differ in the last digits.
+
+        Returns
+        -------
+        float
+            In units of mass times length squared per second squared.
+
+        See Also
+        --------
+        potential_energy : Of gravity and forces.
         """
         return state.kinetic_energy(self._comm, self._core)
 
@@ -517,12 +526,31 @@ class World:
 
         It counts each `PairForce` that has a potential, and may differ from
         `jostle.World.potential_energy` in the last digits.
+
+        Returns
+        -------
+        float
+            In units of mass times length squared per second squared.
+
+        See Also
+        --------
+        kinetic_energy : Of motion.
         """
         return state.potential_energy(self._comm, self._core, self._messages)
 
     @collective
     def momentum(self) -> NDArray[np.float64]:
-        """Sum of mass times velocity of all movable particles, rounded once."""
+        """Sum of mass times velocity of all movable particles, rounded once.
+
+        Returns
+        -------
+        ndarray of float64, shape (2,)
+            In units of mass times length per second.
+
+        See Also
+        --------
+        kinetic_energy : The energy of this motion, among others.
+        """
         return state.momentum(self._comm, self._core)
 
     @property

@@ -23,10 +23,24 @@ impl PyWorld {
     ///     Centres, in units of length.
     /// radii : array_like, a number or shape (k,)
     ///     In units of length.
-    /// velocities, masses, angles, angular_velocities, friction, restitution, movable, sensors, kinds, \
-    /// categories, masks
-    ///     As for `World`. What is omitted has the default that is written there, whatever the other
-    ///     particles have.
+    /// velocities : array_like, shape (2,) or (k, 2), default (0.0, 0.0)
+    ///     In units of length per second.
+    /// masses : array_like, a number or shape (k,), optional
+    ///     In units of mass; the squares of the radii if omitted.
+    /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+    ///     In radians and in radians per second, positive from +x to +y.
+    /// friction : array_like, a number or shape (k,), default 0.0
+    ///     Coefficients of friction.
+    /// restitution : array_like, a number or shape (k,), default 1.0
+    ///     Coefficients of restitution.
+    /// movable : array_like of bool, one or shape (k,), default True
+    ///     Whether contacts and forces can change the velocity.
+    /// sensors : array_like of bool, one or shape (k,), default False
+    ///     Whether the particle is a sensor.
+    /// kinds : array_like of int, a number or shape (k,), default 0
+    ///     Their kinds in each `PairForce`, from 0 to 63.
+    /// categories, masks : array_like of int, a number or shape (k,), default 1 and all bits
+    ///     Bit sets of 32 bits. Omitted columns have these defaults, whatever the other particles have.
     ///
     /// Returns
     /// -------
