@@ -69,7 +69,7 @@ def test_refined() -> None:
         assert ours.stats.substeps == world.stats.substeps, step
         counts.append(world.stats.substeps)
     # With masses of 1 each step has 4.
-    assert world.substeps == 4 and max(counts) >= 12, counts
+    assert (min(counts), max(counts)) >= (4, 12), counts
 
 
 def test_long() -> None:
