@@ -2523,6 +2523,19 @@ class World:
         one, which has the position and the velocity of the heaviest of these; momentum is lost.
         Particles do not merge if the result would not fit into the container. "ignore" lets them
         pass through each other.
+    sleeping : bool, default True
+        Whether islands of touching particles that rest fall asleep under gravity, if the
+        coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
+        speed below 0.01 √(g r), where r is the radius.
+    substeps : int, optional
+        Sub-steps of a step, in which forces act and resting contacts are solved. None, the
+        default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+        accelerations, or with gravity or forces and friction or a restitution below 1; otherwise 1. If
+        contacts may rest and a particle presses on a touching one with 1/10,000 to 1/128 of its mass,
+        there are 2 to 8 times as many. A step whose
+        particles travel far is divided into parts, which share the sub-steps; each part has at least one.
+    track_events : bool, default False
+        Whether `events` reports which pairs began and ceased to touch in each call of `step`.
     method : {"quadtree", "brute"}, default "quadtree"
         How pairs are found; the pairs are the same.
     threads : int, optional
@@ -2531,19 +2544,6 @@ class World:
         Particles that a box of the tree may hold before it splits.
     max_depth : int, default 4096
         Maximum number of subdivisions of the tree; the default never prevents a split.
-    substeps : int, optional
-        Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-        default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
-        accelerations, or with gravity or forces and friction or a restitution below 1; otherwise 1. If
-        contacts may rest and a particle presses on a touching one with 1/10,000 to 1/128 of its mass,
-        there are 2 to 8 times as many. A step whose
-        particles travel far is divided into parts, which share the sub-steps; each part has at least one.
-    sleeping : bool, default True
-        Whether islands of touching particles that rest fall asleep under gravity, if the
-        coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
-        speed below 0.01 √(g r), where r is the radius.
-    track_events : bool, default False
-        Whether `events` reports which pairs began and ceased to touch in each call of `step`.
 
     Raises
     ------
@@ -2691,10 +2691,24 @@ class World:
             Centres, in units of length.
         radii : array_like, a number or shape (k,)
             In units of length.
-        velocities, masses, angles, angular_velocities, friction, restitution, movable, sensors, kinds, \\
-        categories, masks
-            As for `World`. What is omitted has the default that is written there, whatever the other
-            particles have.
+        velocities : array_like, shape (2,) or (k, 2), default (0.0, 0.0)
+            In units of length per second.
+        masses : array_like, a number or shape (k,), optional
+            In units of mass; the squares of the radii if omitted.
+        angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+            In radians and in radians per second, positive from +x to +y.
+        friction : array_like, a number or shape (k,), default 0.0
+            Coefficients of friction.
+        restitution : array_like, a number or shape (k,), default 1.0
+            Coefficients of restitution.
+        movable : array_like of bool, one or shape (k,), default True
+            Whether contacts and forces can change the velocity.
+        sensors : array_like of bool, one or shape (k,), default False
+            Whether the particle is a sensor.
+        kinds : array_like of int, a number or shape (k,), default 0
+            Their kinds in each `PairForce`, from 0 to 63.
+        categories, masks : array_like of int, a number or shape (k,), default 1 and all bits
+            Bit sets of 32 bits. Omitted columns have these defaults, whatever the other particles have.
 
         Returns
         -------
