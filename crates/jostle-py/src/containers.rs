@@ -179,7 +179,7 @@ impl PyBox {
     fn __getnewargs_ex__<'py>(
         &self,
         py: Python<'py>,
-    ) -> PyResult<((f64, f64, f64, f64), Bound<'py, PyDict>)> {
+    ) -> PyResult<Again<'py, (f64, f64, f64, f64)>> {
         Ok((self.numbers(), keywords(py, &self.sides)?))
     }
 
@@ -337,10 +337,7 @@ impl PyCircle {
         clip(self, points, &margin)
     }
 
-    fn __getnewargs_ex__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(((f64, f64), f64), Bound<'py, PyDict>)> {
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Again<'py, ((f64, f64), f64)>> {
         Ok(((self.place(), self.radius()), keywords(py, &self.sides)?))
     }
 
@@ -352,6 +349,9 @@ impl PyCircle {
         format!("Circle({:?}, {:?}{})", self.place(), self.radius(), text(&self.sides))
     }
 }
+
+/// The arguments with which a container is made again, by position and by keyword.
+type Again<'py, P> = (P, Bound<'py, PyDict>);
 
 /// The shape of a container.
 trait Region {
