@@ -13,13 +13,9 @@ left, right = ([(400 + side * (70 - 5 * k), 400 + 3 * k) for k in range(12)] for
 places = [(380, 60), (420, 80), (400, 100), *bumpers, *left, *right]
 radii = np.array([8.0] * 3 + [24] * 3 + [5] * 24)
 world = jostle.World(
-    places,
-    radii,
-    movable=radii == 8,
-    walls=jostle.polyline(table),
-    gravity=(0, 300),
+    places, radii, movable=radii == 8, walls=jostle.polyline(table), gravity=(0, 300),
     restitution=0.9,
-)
+)  # fmt: skip
 paddles = np.split(world.ids[6:], 2)
 angles = np.zeros(2)
 

@@ -44,7 +44,7 @@ def overflowing() -> jostle.World:
 def test_a_step_that_overflows_names_the_id_where_it_is_not_the_row() -> None:
     world = overflowing()
     world.remove(world.add((-15, 0), 0.1, masses=1.0))
-    ids = world.add([(10, 0), (13, 0), (16, 0)], 1.0, masses=1e26)
+    ids = world.add([(10, 0), (13, 0), (16, 0)], 1.0, masses=1e26, restitution=0.5)
     world.remove([0, 1, 2])
     with pytest.raises(ValueError, match="would make") as error:
         world.step(0.01, 1000)

@@ -564,7 +564,11 @@ pub fn period(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<[f32; 2]>> {
             return Err(Argument::reals("period", value)?.wrong_shape("a number or (2,)"));
         }
     };
-    Container::Torus { size }.validate().map_err(refused)?;
+    if !size.iter().all(|side| *side > 0.0 && side.is_finite()) {
+        let [width, height] = size;
+        let rule = "both sides must be finite and above 0";
+        return Err(refused(Error::of("period", format!("({width}, {height})"), rule)));
+    }
     Ok(Some(size))
 }
 
