@@ -4105,12 +4105,12 @@ class Circle:
         """Its area."""
     @property
     def restitution(self) -> _Coefficient:
-        """Coefficient of restitution of its side: a number, or None for that of the
+        """Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
         particle.
         """
     @property
     def friction(self) -> _Coefficient:
-        """Coefficient of friction of its side: a number, or None for that of the
+        """Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
         particle.
         """
     @overload

@@ -116,66 +116,6 @@ impl PyBox {
         (max_x - min_x) * (max_y - min_y)
     }
 
-    /// Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
-    /// particle.
-    #[getter]
-    fn restitution(&self) -> Shown {
-        restitution(&self.sides)
-    }
-
-    /// Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
-    /// particle.
-    #[getter]
-    fn friction(&self) -> Shown {
-        friction(&self.sides)
-    }
-
-    /// Whether points lie inside or on the sides.
-    ///
-    /// Parameters
-    /// ----------
-    /// points : array_like, shape (k, 2), or (2,) for one point
-    ///     In units of length.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of bool, shape (k,), or bool
-    ///     For each point, or for the only one.
-    ///
-    /// See Also
-    /// --------
-    /// clip : Moves points inside.
-    fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        contains(self, points)
-    }
-
-    /// Return the nearest places inside.
-    ///
-    /// Parameters
-    /// ----------
-    /// points : array_like, shape (k, 2), or (2,) for one point
-    ///     In units of length.
-    /// margin : float, default 0.0
-    ///     The distance from the sides that is kept, as the radius of discs. If there is not so much
-    ///     room, the place is in the middle.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of float64, shape (k, 2), or (2,) for one point
-    ///     The points that are inside already are as they were.
-    ///
-    /// See Also
-    /// --------
-    /// contains : Whether points are inside.
-    #[pyo3(signature = (points, margin=Given::NOTHING), text_signature = "($self, points, margin=0.0)")]
-    fn clip<'py>(
-        &self,
-        points: &Bound<'py, PyAny>,
-        margin: Given<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        clip(self, points, &margin)
-    }
-
     fn __getnewargs_ex__<'py>(
         &self,
         py: Python<'py>,
@@ -277,66 +217,6 @@ impl PyCircle {
         std::f64::consts::PI * self.radius() * self.radius()
     }
 
-    /// Coefficient of restitution of its side: a number, or None for that of the
-    /// particle.
-    #[getter]
-    fn restitution(&self) -> Shown {
-        restitution(&self.sides)
-    }
-
-    /// Coefficient of friction of its side: a number, or None for that of the
-    /// particle.
-    #[getter]
-    fn friction(&self) -> Shown {
-        friction(&self.sides)
-    }
-
-    /// Whether points lie inside or on the sides.
-    ///
-    /// Parameters
-    /// ----------
-    /// points : array_like, shape (k, 2), or (2,) for one point
-    ///     In units of length.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of bool, shape (k,), or bool
-    ///     For each point, or for the only one.
-    ///
-    /// See Also
-    /// --------
-    /// clip : Moves points inside.
-    fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        contains(self, points)
-    }
-
-    /// Return the nearest places inside.
-    ///
-    /// Parameters
-    /// ----------
-    /// points : array_like, shape (k, 2), or (2,) for one point
-    ///     In units of length.
-    /// margin : float, default 0.0
-    ///     The distance from the sides that is kept, as the radius of discs. If there is not so much
-    ///     room, the place is in the middle.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of float64, shape (k, 2), or (2,) for one point
-    ///     The points that are inside already are as they were.
-    ///
-    /// See Also
-    /// --------
-    /// contains : Whether points are inside.
-    #[pyo3(signature = (points, margin=Given::NOTHING), text_signature = "($self, points, margin=0.0)")]
-    fn clip<'py>(
-        &self,
-        points: &Bound<'py, PyAny>,
-        margin: Given<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        clip(self, points, &margin)
-    }
-
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<Again<'py, ((f64, f64), f64)>> {
         Ok(((self.place(), self.radius()), keywords(py, &self.sides)?))
     }
@@ -349,6 +229,76 @@ impl PyCircle {
         format!("Circle({:?}, {:?}{})", self.place(), self.radius(), text(&self.sides))
     }
 }
+
+/// What a box and a circle have alike.
+macro_rules! region {
+    ($class:ty) => {
+        #[pymethods]
+        impl $class {
+            /// Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
+            /// particle.
+            #[getter]
+            fn restitution(&self) -> Shown {
+                restitution(&self.sides)
+            }
+
+            /// Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
+            /// particle.
+            #[getter]
+            fn friction(&self) -> Shown {
+                friction(&self.sides)
+            }
+
+            /// Whether points lie inside or on the sides.
+            ///
+            /// Parameters
+            /// ----------
+            /// points : array_like, shape (k, 2), or (2,) for one point
+            ///     In units of length.
+            ///
+            /// Returns
+            /// -------
+            /// ndarray of bool, shape (k,), or bool
+            ///     For each point, or for the only one.
+            ///
+            /// See Also
+            /// --------
+            /// clip : Moves points inside.
+            fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+                contains(self, points)
+            }
+
+            /// Return the nearest places inside.
+            ///
+            /// Parameters
+            /// ----------
+            /// points : array_like, shape (k, 2), or (2,) for one point
+            ///     In units of length.
+            /// margin : float, default 0.0
+            ///     The distance from the sides that is kept, as the radius of discs. If there is not so much
+            ///     room, the place is in the middle.
+            ///
+            /// Returns
+            /// -------
+            /// ndarray of float64, shape (k, 2), or (2,) for one point
+            ///     The points that are inside already are as they were.
+            ///
+            /// See Also
+            /// --------
+            /// contains : Whether points are inside.
+            #[pyo3(signature = (points, margin=Given::NOTHING), text_signature = "($self, points, margin=0.0)")]
+            fn clip<'py>(
+                &self,
+                points: &Bound<'py, PyAny>,
+                margin: Given<'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                clip(self, points, &margin)
+            }
+        }
+    };
+}
+region!(PyBox);
+region!(PyCircle);
 
 /// The arguments with which a container is made again, by position and by keyword.
 type Again<'py, P> = (P, Bound<'py, PyDict>);
