@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-use super::cast::enters;
-use super::segment;
-use jostle_index::geometry::{self, Bounds, Scalar, Shape, overlap};
+use super::outline::Outline;
+use super::segment::Segment;
+use jostle_index::geometry::{Bounds, Scalar, Shape};
 use jostle_index::period::{Period, Turns};
 
 /// An obstacle's geometry.
@@ -12,8 +12,8 @@ use jostle_index::period::{Period, Turns};
 pub enum Solid<T> {
     /// A rounded box.
     Shape(Shape<T>),
-    /// A line segment, solid from both sides.
-    Segment([[T; 2]; 2]),
+    /// A line segment.
+    Segment(Segment<T>),
 }
 
 /// A solid with its index for the caller.
@@ -42,7 +42,7 @@ impl<T: Scalar> Obstacle<T> {
         &self,
         (period, left): (&Period<T>, T),
         body: &Shape<T>,
-        act: impl FnOnce(&Shape<T>, &Solid<T>) -> R,
+        act: impl FnOnce(&Shape<T>, &dyn Outline<T>) -> R,
     ) -> R {
         if left != T::ZERO && self.motion != [T::ZERO; 2] {
             let solid = self.solid.moved(self.motion.map(|v| v * left));
@@ -59,10 +59,10 @@ impl<T: Scalar> Obstacle<T> {
         &self,
         period: &Period<T>,
         body: &Shape<T>,
-        act: impl FnOnce(&Shape<T>, &Solid<T>) -> R,
+        act: impl FnOnce(&Shape<T>, &dyn Outline<T>) -> R,
     ) -> R {
         if period.is_none() {
-            return act(body, &self.solid);
+            return act(body, self.solid.outline());
         }
         // Both are brought to where `Period::overlap` compares them. Anywhere else the same two
         // shapes would round differently, and the walker would end in places that a query calls an
@@ -78,13 +78,13 @@ impl<T: Scalar> Obstacle<T> {
             }
         }
         let body = Shape { min: center, max: center, ..*body }.moved(of_body);
-        act(&body, &self.solid.moved(of_solid))
+        act(&body, self.solid.moved(of_solid).outline())
     }
 
     /// Orders obstacles by their geometry, then by their numbers, so that ties do not depend on
     /// the order in which they were found.
     pub fn order(&self, other: &Self) -> Ordering {
-        let (own, others) = (self.solid.numbers(), other.solid.numbers());
+        let (own, others) = (self.solid.outline().numbers(), other.solid.outline().numbers());
         let by_value = own.iter().zip(&others).map(|(a, b)| a.total_order(b));
         // By value first: the index of an obstacle depends on the order in which it was added, its
         // geometry does not.
@@ -94,74 +94,30 @@ impl<T: Scalar> Obstacle<T> {
 }
 
 impl<T: Scalar> Solid<T> {
-    /// The same solid moved by `-shift`.
+    /// Its geometry.
+    #[inline(always)]
+    pub fn outline(&self) -> &dyn Outline<T> {
+        match self {
+            Self::Shape(shape) => shape,
+            Self::Segment(segment) => segment,
+        }
+    }
+
+    /// Its categories, a bit set.
+    #[inline(always)]
+    pub fn category(&self) -> u32 {
+        match self {
+            Self::Shape(shape) => shape.category,
+            Self::Segment(segment) => segment.category,
+        }
+    }
+
+    /// The same moved by `-shift`.
+    #[inline(always)]
     fn moved(&self, shift: [T; 2]) -> Self {
         match self {
             Self::Shape(shape) => Self::Shape(shape.moved(shift)),
-            Self::Segment(ends) => {
-                Self::Segment(ends.map(|end| [end[0] - shift[0], end[1] - shift[1]]))
-            }
-        }
-    }
-
-    /// Whether a shape overlaps it.
-    #[inline(always)]
-    pub fn overlaps(&self, body: &Shape<T>) -> bool {
-        match self {
-            Self::Shape(shape) => overlap(body.gaps(shape), body.radius + shape.radius),
-            Self::Segment(ends) => segment::overlaps(body, ends),
-        }
-    }
-
-    /// The unit normal from a shape that overlaps it towards it, and the depth of the overlap.
-    pub fn contact(&self, body: &Shape<T>) -> ([T; 2], T) {
-        match self {
-            Self::Shape(shape) => geometry::contact(body, shape),
-            Self::Segment(ends) => segment::contact(body, ends),
-        }
-    }
-
-    /// A length that, with the position and the size of a shape, bounds the numbers from which
-    /// overlaps and impacts are computed: the gaps to another shape, or the offset of the farther
-    /// end of a segment.
-    pub fn span(&self, body: &Shape<T>) -> T {
-        match self {
-            Self::Shape(shape) => {
-                let [x, y] = body.gaps(shape);
-                x.max(T::ZERO) + y.max(T::ZERO)
-            }
-            Self::Segment([a, b]) => {
-                let away = |axis: usize| {
-                    (a[axis] - body.min[axis]).abs().max((b[axis] - body.min[axis]).abs())
-                };
-                away(0) + away(1)
-            }
-        }
-    }
-
-    /// The share of a displacement after which a shape enters it by more than `slop`, and the
-    /// normal there; None if it does not, or is inside at the start.
-    pub fn enters(&self, body: &Shape<T>, displacement: [T; 2], slop: T) -> Option<(T, [T; 2])> {
-        match self {
-            Self::Shape(shape) => enters(body, displacement, shape, slop),
-            Self::Segment(ends) => segment::enters(body, displacement, ends, slop),
-        }
-    }
-
-    /// The shape, if it is of one of these categories.
-    pub fn shape_of(&self, categories: u32) -> Option<&Shape<T>> {
-        match self {
-            Self::Shape(shape) if shape.category & categories != 0 => Some(shape),
-            _ => None,
-        }
-    }
-
-    fn numbers(&self) -> [T; 8] {
-        match *self {
-            Self::Shape(Shape { min, max, half_size, radius, .. }) => {
-                [T::ZERO, min[0], min[1], max[0], max[1], half_size[0], half_size[1], radius]
-            }
-            Self::Segment([a, b]) => [T::ONE, a[0], a[1], b[0], b[1], T::ZERO, T::ZERO, T::ZERO],
+            Self::Segment(segment) => Self::Segment(segment.moved(shift)),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 
+use super::outline::Outline;
 use super::rules::{CheckedRules, Surface, along_surface, dot};
 use super::solid::{FindObstacles, Obstacle};
 use jostle_index::geometry::{Bounds, Scalar, Shape};
@@ -147,8 +148,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         // By rounding, its floor may have moved it into the floor itself, which must still stop it.
         let is_solid = |near: &Obstacle<T>| {
             near.facing((&period, left), &self.body, |body, solid| {
-                let ledge = solid.shape_of(rules.one_way);
-                ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+                is_solid_for(rules, near, (body, solid), close)
             })
         };
         self.deepest(&self.body, left, &is_solid)
@@ -259,12 +259,11 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let is_solid = |obstacle: &Obstacle<T>| {
             let close = slop(&start, &period, back(obstacle));
             obstacle.facing((&period, left), &start, |body, solid| {
-                let ledge = solid.shape_of(rules.one_way);
                 // What the shape is inside of does not stop it. Otherwise a shape that spawned in a
                 // wall could never move; so it can leave, and not enter any other.
                 let is_outside =
                     !solid.overlaps(body) || (left != T::ZERO && solid.contact(body).1 <= close);
-                is_outside && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+                is_outside && is_solid_for(rules, obstacle, (body, solid), close)
             })
         };
         let impact = |obstacle: &'_ Obstacle<T>| {
@@ -451,22 +450,13 @@ pub fn contains<T: Scalar>(outer: [[T; 2]; 2], inner: [[T; 2]; 2]) -> bool {
     (0..2).all(|axis| outer[0][axis] <= inner[0][axis] && inner[1][axis] <= outer[1][axis])
 }
 
-/// Whether a shape is above an obstacle, as seen from `up`.
-fn is_above<T: Scalar>(
+/// Whether an obstacle stops a shape: if it is one-way, only a shape above it.
+fn is_solid_for<T: Scalar>(
     rules: &CheckedRules<T>,
-    body: &Shape<T>,
-    obstacle: &Shape<T>,
+    obstacle: &Obstacle<T>,
+    (body, outline): (&Shape<T>, &dyn Outline<T>),
     slop: T,
 ) -> bool {
-    let half = T::from_f64(0.5);
-    let height = |shape: &Shape<T>| {
-        let center = dot(shape.center(), rules.up);
-        let along = |axis: usize| {
-            let own = (shape.max[axis] - shape.min[axis]) * half + shape.half_size[axis];
-            own * rules.up[axis].abs()
-        };
-        (center, along(0) + along(1) + shape.radius)
-    };
-    let ((own, own_half), (other, other_half)) = (height(body), height(obstacle));
-    rules.up != [T::ZERO; 2] && own - own_half >= other + other_half - slop
+    let is_one_way = obstacle.solid.category() & rules.one_way != 0;
+    !is_one_way || (rules.up != [T::ZERO; 2] && outline.is_above(body, rules.up, slop))
 }

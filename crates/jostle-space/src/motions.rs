@@ -209,7 +209,8 @@ impl<T: Scalar> Island<'_, T> {
         each_around(call, hash, (body, close), by, |other, image| {
             let floor = call.moving_floor(rows[other] as usize);
             let floor = floor.and_then(|row| rows.binary_search(&row).ok());
-            let is_met = image.overlaps(body) || image.enters(body, by, close).is_some();
+            let is_met =
+                image.outline().overlaps(body) || image.outline().enters(body, by, close).is_some();
             if let Some(floor) = floor.filter(|&floor| floor != index && other != index)
                 && displacement(floor) == by
                 && is_met
@@ -461,7 +462,7 @@ fn each_ahead<T: Scalar>(
     let body = hash.get(index);
     let close = slop(body, &call.period, displacement[0].abs() + displacement[1].abs());
     each_around(call, hash, (body, close), displacement, |other, image| {
-        if other != index && image.enters(body, displacement, close).is_some() {
+        if other != index && image.outline().enters(body, displacement, close).is_some() {
             act(other);
         }
     });

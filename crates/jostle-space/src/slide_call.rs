@@ -14,7 +14,7 @@ use jostle_index::period::{Period, Turns};
 use jostle_index::quadtree::Quadtree;
 use jostle_index::query::each_overlap;
 use jostle_index::shapes::{Each, Shapes};
-use jostle_slide::{CheckedRules, Obstacle, Solid};
+use jostle_slide::{CheckedRules, Obstacle, Segment, Solid};
 
 /// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
 pub(crate) const WALL: u32 = 1 << 31;
@@ -142,7 +142,8 @@ impl<T: Scalar> SlideCall<'_, T> {
             }
         });
         self.walls.each_near(bounds, stack, |wall, ends| {
-            let (solid, motion) = (Solid::Segment(ends), [T::ZERO; 2]);
+            let segment = Segment { ends, radius: T::ZERO, category: 0 };
+            let (solid, motion) = (Solid::Segment(segment), [T::ZERO; 2]);
             near.push(Obstacle { solid, turns, motion, index: WALL | wall });
         });
     }
