@@ -13,6 +13,7 @@ import inspect
 import os
 import sys
 from collections.abc import Iterator
+from enum import Enum
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -90,7 +91,8 @@ class Documented(Validator):  # type: ignore[misc]
             return self.declared.parameters
         if self.is_result:
             return tuple(self.obj.__slots__)
-        return () if self.is_property else tuple(super().signature_parameters)
+        has_none = self.is_property or (inspect.isclass(self.obj) and issubclass(self.obj, Enum))
+        return () if has_none else tuple(super().signature_parameters)
 
     @property
     def doc_all_parameters(self) -> dict[str, Any]:

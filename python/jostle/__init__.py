@@ -13,8 +13,8 @@
     Particles that move and collide in a `Box`, a `Circle` or a periodic plane;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
     `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
-    `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
-    particle life.
+    `Motor` are its forces. `polyline` makes walls; `Side` names the sides of a container.
+    `jostle.life` has matrices for particle life.
 `Contacts`, `IdLists`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
 `Separated`, `Slide`, `Slides`, `Shape`, `Shapes`
@@ -69,7 +69,7 @@ from jostle.results import (
     WorldStats,
 )
 from jostle.tilemap import tiles
-from jostle.walls import polyline
+from jostle.walls import Side, polyline
 
 __all__ = [
     "AndersenThermostat",
@@ -94,6 +94,7 @@ __all__ = [
     "Separated",
     "Shape",
     "Shapes",
+    "Side",
     "Slide",
     "Slides",
     "Space",

@@ -3343,8 +3343,8 @@ class World:
         ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
         ... )
         >>> world.step(0.5)
-        >>> world.positions, world.wall_contacts.walls  # 4 + the index of the wall
-        (array([[0., 2.]], dtype=float32), array([4]))
+        >>> world.positions, world.wall_contacts.walls
+        (array([[0., 2.]], dtype=float32), array([0]))
         >>> world.walls = None
         >>> world.walls.shape
         (0, 2, 2)
@@ -3565,12 +3565,13 @@ class World:
         to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
         particle. Divided by the length of the step, impulses are mean forces.
 
-        The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls`
-        has the number 4 + k.
+        Wall k of `walls` has the number k; the sides of the container have those of `Side`, which are
+        negative.
 
         See Also
         --------
         contacts : The pairs of particles.
+        Side : The sides of the container.
 
         Examples
         --------
@@ -3579,7 +3580,7 @@ class World:
         >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
         >>> world.step(0.01)
         >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
-        (array([2]), array([10.], dtype=float32))
+        (array([-4]), array([10.], dtype=float32))
         """
     @property
     def events(self) -> WorldEvents:

@@ -2,10 +2,43 @@
 
 from __future__ import annotations
 
+import enum
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["polyline"]
+__all__ = ["Side", "polyline"]
+
+
+class Side(enum.IntEnum):
+    """The sides of a container, in columns of walls: of contacts, hits and forces.
+
+    The walls of a world have numbers from 0, and -1 is none.
+
+    See Also
+    --------
+    jostle.World.wall_contacts : The walls and sides that particles touched.
+    jostle.Box, jostle.Circle : The containers.
+
+    Examples
+    --------
+    >>> box = jostle.Box(0, 0, 9, 9)
+    >>> world = jostle.World([(5, 2)], 1.0, velocities=[(0, -4)], container=box)
+    >>> world.step(0.5)
+    >>> world.wall_contacts.walls == jostle.Side.MIN_Y
+    array([ True])
+    """
+
+    MIN_X = -2
+    """The side of a `Box` at min_x."""
+    MAX_X = -3
+    """The side of a `Box` at max_x."""
+    MIN_Y = -4
+    """The side of a `Box` at min_y."""
+    MAX_Y = -5
+    """The side of a `Box` at max_y."""
+    RIM = -6
+    """The wall of a `Circle`."""
 
 
 def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.floating]:

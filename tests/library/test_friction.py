@@ -168,7 +168,7 @@ def test_the_walls_carry_the_weight(friction: float) -> None:
         change = 60 * (world.momentum()[1] - momentum)
         assert pushes[-1] == pytest.approx(weight - change, rel=1e-4)
     assert np.mean(pushes) == pytest.approx(weight, rel=1e-3)
-    floor = contacts.walls == 3  # y grows downwards in scenes
+    floor = contacts.walls == jostle.Side.MAX_Y  # y grows downwards in scenes
     assert (contacts.normals[floor] == (0, -1)).all()
     # Their friction also bounds the difference (Coulomb).
     on_floor = contacts.normal_impulses[floor].sum() * 60
@@ -211,7 +211,7 @@ def test_a_round_wall() -> None:
     )
     world.step(1 / 60)
     contacts = world.wall_contacts
-    assert (contacts.ids.tolist(), contacts.walls.tolist()) == ([0], [0])
+    assert (contacts.ids.tolist(), contacts.walls.tolist()) == ([0], [jostle.Side.RIM])
     assert contacts.normals.tolist() == [[0, 1]]
     assert contacts.normal_impulses * 60 == pytest.approx(G, rel=1e-4)
 

@@ -61,7 +61,7 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (
         column(py, listed(all.iter().map(|touch| touch.id))?),
-        column(py, listed(all.iter().map(|touch| i64::from(touch.wall)))?),
+        column(py, listed(all.iter().map(|touch| touch.wall))?),
         table(py, listed(all.iter().map(|touch| touch.normal))?)?,
         column(py, listed(all.iter().map(|touch| touch.depth))?),
         column(py, listed(all.iter().map(|touch| touch.normal_impulse))?),

@@ -13,6 +13,9 @@ use jostle_index::period::Period;
 /// Maximum number of times that a particle travels around a torus in a step.
 pub const MAX_TOURS: f32 = 125.0;
 
+/// The id of the side at min x of a box. Below it come those at max x, min y and max y, and that of a circle.
+pub const FIRST_SIDE: i64 = -2;
+
 /// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Container {
@@ -115,6 +118,12 @@ impl Container {
     #[inline(always)]
     pub fn sides(&self) -> impl Iterator<Item = (u32, Side)> + use<> {
         (0..).zip(self.all_sides()).filter_map(|(number, side)| Some((number, side?)))
+    }
+
+    /// The id of the side with a number, by which callers know it. Ids of walls are above −1, which is none.
+    pub fn side_id(&self, number: u32) -> i64 {
+        let sides_before = if matches!(self, Self::Circle { .. }) { 4 } else { i64::from(number) };
+        FIRST_SIDE - sides_before
     }
 
     /// The side with a number, if it has one.

@@ -98,7 +98,7 @@ fn an_elastic_gas_cools_at_one_side_and_rests_there() {
     assert!((f32::abs(u) - 3.0).abs() < 1e-4, "{u}");
     let floor = world.wall_contacts().unwrap();
     assert_eq!(floor.len(), 1);
-    assert_eq!(floor[0].wall, 2);
+    assert_eq!(floor[0].wall, -4);
     let weight = 9.8 * STEP as f32;
     assert!((floor[0].normal_impulse / weight - 1.0).abs() < 1e-3);
 }

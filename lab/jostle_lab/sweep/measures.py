@@ -86,7 +86,7 @@ class _Pressure:
     def see(self, world: jostle.World, step: int, dt: float) -> None:
         self._length = _perimeter(world.container)
         touched = world.wall_contacts
-        self._impulses += float(touched.normal_impulses[touched.walls < 4].sum(dtype=np.float64))
+        self._impulses += float(touched.normal_impulses[touched.walls < 0].sum(dtype=np.float64))
         self._seconds += dt
 
     def value(self) -> float:

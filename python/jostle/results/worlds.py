@@ -58,8 +58,8 @@ class WallContacts(Result):
     ids : ndarray of int64, shape (m,)
         Ids of the particles, ascending.
     walls : ndarray of int64, shape (m,)
-        0 to 3: the walls of a `Box` at min_x, max_x, min_y and max_y; 0 for a `Circle`;
-        4 + k: wall k of `World.walls`, at a shared end the first of those that have it.
+        The number k for wall k of `World.walls`, at a shared end the first of those that have it;
+        for a side of the container its `Side`, which is negative.
     normals : ndarray of float32, shape (m, 2)
         Unit vectors from the wall to the particle, at the end of the step.
     depths : ndarray of float32, shape (m,)
@@ -75,6 +75,7 @@ class WallContacts(Result):
     --------
     jostle.World.wall_contacts : Returns it.
     WorldContacts : Contacts of two particles.
+    Side : The sides of a container.
 
     Examples
     --------
@@ -85,6 +86,8 @@ class WallContacts(Result):
     >>> world.step(0.01)
     >>> float((world.wall_contacts.normal_impulses / 0.01).round(3)[0])  # the mean force
     10.0
+    >>> jostle.Side(world.wall_contacts.walls[0])
+    <Side.MIN_Y: -4>
     """
 
     __slots__ = ("ids", "walls", "normals", "depths", "normal_impulses", "friction_impulses")

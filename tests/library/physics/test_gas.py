@@ -153,8 +153,6 @@ def sides_pressure_over_henderson(eta: float, time: float, seed: int, *, walls: 
             positions, 1.0, velocities=velocities, container=jostle.Box(0, 0, side, side)
         )
     )
-    # The axis along each: the container's sides are numbered from 0, the walls from 4.
-    axes = np.array([1, 1, 0, 0, 1, 0, 1, 0])
     gas.step(1.0, steps=100)
     impulse, inside = 0.0, 0
     for _ in range(round(time)):
@@ -162,7 +160,8 @@ def sides_pressure_over_henderson(eta: float, time: float, seed: int, *, walls: 
         middle = abs(gas.positions - side / 2) < side / 2 - 10
         inside += int(middle.all(axis=1).sum())
         contacts = gas.wall_contacts
-        along = axes[contacts.walls]
+        at, of_sides = contacts.walls, contacts.walls >= jostle.Side.MAX_X
+        along = np.where(at < 0, of_sides, at % 2 == 0).astype(int)
         impulse += float(contacts.normal_impulses[middle[contacts.ids, along]].sum(dtype=float))
     kt = gas.kinetic_energy() / n
     density = inside / round(time) / (side - 20) ** 2

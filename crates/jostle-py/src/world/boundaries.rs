@@ -115,8 +115,8 @@ impl PyWorld {
     /// ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
     /// ... )
     /// >>> world.step(0.5)
-    /// >>> world.positions, world.wall_contacts.walls  # 4 + the index of the wall
-    /// (array([[0., 2.]], dtype=float32), array([4]))
+    /// >>> world.positions, world.wall_contacts.walls
+    /// (array([[0., 2.]], dtype=float32), array([0]))
     /// >>> world.walls = None
     /// >>> world.walls.shape
     /// (0, 2, 2)

@@ -32,12 +32,13 @@ impl PyWorld {
     /// to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
     /// particle. Divided by the length of the step, impulses are mean forces.
     ///
-    /// The walls of the container have the numbers 0 to 3, see `WallContacts`; wall k of `walls`
-    /// has the number 4 + k.
+    /// Wall k of `walls` has the number k; the sides of the container have those of `Side`, which are
+    /// negative.
     ///
     /// See Also
     /// --------
     /// contacts : The pairs of particles.
+    /// Side : The sides of the container.
     ///
     /// Examples
     /// --------
@@ -46,7 +47,7 @@ impl PyWorld {
     /// >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
     /// >>> world.step(0.01)
     /// >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
-    /// (array([2]), array([10.], dtype=float32))
+    /// (array([-4]), array([10.], dtype=float32))
     #[getter]
     fn wall_contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         results::wall_contacts(

@@ -303,6 +303,11 @@ impl Walls {
         self.container.period().exact()
     }
 
+    /// The id by which callers know the wall with a number: its index, or that of a side of the container.
+    pub fn id_of(&self, number: u32) -> i64 {
+        index_of(number).map_or_else(|| self.container.side_id(number), i64::from)
+    }
+
     /// The walls, as given.
     pub fn all(&self) -> &[Wall] {
         &self.all

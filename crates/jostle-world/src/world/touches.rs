@@ -37,9 +37,9 @@ pub struct Touch {
 pub struct WallTouch {
     /// The id of the particle.
     pub id: Id,
-    /// The number of the wall: 0 to 3 at min x, max x, min y and max y of a box; 0 of a circle;
-    /// 4 + k of the wall k of [`World::walls`].
-    pub wall: u32,
+    /// The wall k of [`World::walls`]; of a side of the container, below −1, see
+    /// [`Container::side_id`](crate::Container::side_id).
+    pub wall: i64,
     /// Unit vector from the wall into the container.
     pub normal: [f32; 2],
     /// Penetration at the end of the step; negative if they had separated.
@@ -199,7 +199,7 @@ impl World {
                 self.boundaries.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
             let (normal, depth) = (contact.normal.map(|v| v as f32), -contact.gap as f32);
             let [normal_impulse, friction_impulse] = impulses;
-            let id = self.bodies.ids.of(row);
+            let (id, wall) = (self.bodies.ids.of(row), self.boundaries.walls.id_of(wall));
             Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };
         let all = self.boundaries.impulses.iter().chain(self.bodies.asleep.wall_impulses());
