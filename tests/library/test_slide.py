@@ -77,7 +77,7 @@ def test_never_inside(scene, up, seed: int) -> None:
             if np.any(hits != platform)
         }
         assert pairs_of(space, ids) <= before | set(map(tuple, carried.tolist())) | pushed
-        floors = slides.floors
+        floors = slides.floor
         shift(space, platforms, rng.normal(0, scale, (len(platforms), 2)))
 
 
@@ -268,7 +268,7 @@ def test_a_floor_that_moves_in_the_same_call_carries(order) -> None:
     before = space.get(ids).positions
     for steps in ([(3, -1), (0, 0.1), (0, 0.1)], [(-2, 30), (0, 0.1), (0.5, 0.1)]):
         slides = space.move_and_slide(ids[order], np.array(steps)[order])
-        moved = slides.displacements[np.argsort(order)]
+        moved = slides.displacement[np.argsort(order)]
         assert moved[0] == pytest.approx(steps[0])
         assert moved[1] == pytest.approx(moved[0], abs=1e-9)
         assert moved[2] == pytest.approx(moved[0] + (steps[2][0], 0), abs=1e-9)
@@ -365,7 +365,7 @@ def test_platforms_that_move_together_carry_across_their_joints(shape: str, way:
                                 shift(space, some, (vx, vy))
                             slides = space.move_and_slide([walker], [(walk, 0.5)], **rules)
                         row = 0 if turn < 0 else -1
-                        moved = slides.displacements[row].tolist()
+                        moved = slides.displacement[row].tolist()
                         case = (pieces, vx, vy, walk)
                         assert moved == pytest.approx((vx + walk, vy), abs=1e-9), case
                         assert slides.on_floor[row] and not slides.on_wall[row], case
@@ -387,7 +387,7 @@ def test_a_lift_does_not_drag_what_is_not_above_it() -> None:
     for by in ((0, -10), (0, 10), (3, 10), (-3, -10), (0, 200)):
         shift(space, lift, by)
         slides = space.move_and_slide(walkers, np.zeros((4, 2)), **rules)
-        assert slides.displacements.tolist() == np.zeros((4, 2)).tolist(), by
+        assert slides.displacement.tolist() == np.zeros((4, 2)).tolist(), by
         assert len(slides.hits.ids) == 0
 
 
@@ -566,7 +566,7 @@ def test_a_walker_jumps_with_what_stands_on_it_up_to_a_ceiling(order) -> None:
         steps = np.array([(0, -2), (0, 0.1), (0, 0.1)])[order]
         slides = space.move_and_slide(ids[order], steps)
         back = np.argsort(order)
-        moved.append(slides.displacements[back, 1].tolist())
+        moved.append(slides.displacement[back, 1].tolist())
         assert len(space.pairs()) == 0
         assert slides.on_floor[back].tolist() == [False, True, True]
     assert moved == [pytest.approx(row, abs=1e-9) for row in ([-2] * 3, [-0.5] * 3, [0] * 3)]
@@ -585,11 +585,11 @@ def test_what_cannot_be_carried_stops_a_walker() -> None:
     for _ in range(3):
         slides = space.move_and_slide(ids, [(0.2, 0.1), (0, 0.1)])
         assert len(space.contacts().depths) == 0
-        assert np.abs(slides.displacements).max() < 1e-9
+        assert np.abs(slides.displacement).max() < 1e-9
         assert ids[1] in slides.hits[0] and wall in slides.hits[1]
     slides = space.move_and_slide(ids, [(-0.2, 0.1), (0, 0.1)])  # away from it
-    assert slides.displacements[0].tolist() == pytest.approx([-0.2, 0])
-    assert slides.displacements[1, 0] == pytest.approx(-0.2, abs=0.1)
+    assert slides.displacement[0].tolist() == pytest.approx([-0.2, 0])
+    assert slides.displacement[1, 0] == pytest.approx(-0.2, abs=0.1)
 
 
 def test_a_lift_whose_riders_are_no_obstacles_is_not_stopped_by_them() -> None:
@@ -601,7 +601,7 @@ def test_a_lift_whose_riders_are_no_obstacles_is_not_stopped_by_them() -> None:
     space.move_and_slide(rider, (0, 0.1))
     for frame in range(3):
         slides = space.move_and_slide(ids, steps, mask=WALL | LEDGE)
-        assert slides.displacements[0].tolist() == [0, -1]
+        assert slides.displacement[0].tolist() == [0, -1]
         assert pairs_of(space, [rider]) == ({(lift, rider)} if frame == 2 else set())
     space.move_and_slide(ids, [(0, 2), (0, 0.1)], mask=WALL | LEDGE)
     assert pairs_of(space, [rider]) == set()
@@ -616,7 +616,7 @@ def test_a_platform_that_was_moved_into_its_rider_stays_there() -> None:
     space.set(ids[0], positions=(1, -0.3))
     slides = space.move_and_slide(ids, steps)
     moved = [(0, 0), (1, -0.3), (1, -0.3)]
-    np.testing.assert_allclose(slides.displacements, moved, atol=1e-9)
+    np.testing.assert_allclose(slides.displacement, moved, atol=1e-9)
     assert len(space.pairs()) == 0
 
 
@@ -626,7 +626,7 @@ def test_a_stack_is_carried_across_the_edge_of_a_periodic_plane() -> None:
     space.move_and_slide(ids, [(0, 0), (0, 0.1), (0, 0.1)])
     for step in ([1, -1], [1, -0.5], [-1, 0.5], [-2, -1]):
         slides = space.move_and_slide(ids, [step, (0, 0.1), (0, 0.1)])
-        np.testing.assert_allclose(slides.displacements, [step] * 3, atol=1e-9)
+        np.testing.assert_allclose(slides.displacement, [step] * 3, atol=1e-9)
         assert len(space.pairs()) == 0
         assert (space.positions[:, 0] >= 0).all() and (space.positions[:, 0] < 20).all()
 
@@ -648,7 +648,7 @@ def test_stacks_do_not_depend_on_threads_or_on_the_order_of_others() -> None:
             slides = space.move_and_slide(ids[order], step[order] + (0, 0.2))
             assert len(space.contacts().depths) == 0
         back = np.argsort(order)
-        results.append([space.get(ids).positions, slides.remaining[back], slides.floors[back]])
+        results.append([space.get(ids).positions, slides.remaining[back], slides.floor[back]])
     for one, other in zip(*results, strict=True):
         np.testing.assert_array_equal(one, other)
 
@@ -868,12 +868,12 @@ def test_many_and_one() -> None:
     space = jostle.Space(dtype="float32")
     ids = space.add([(0, 0), (5, 0)], 1.0)
     slides = space.move_and_slide(ids, [(9, 0), (0, 1)])
-    assert isinstance(slides, jostle.Slides) and slides.displacements.dtype == np.float32
+    assert isinstance(slides, jostle.Slides) and slides.displacement.dtype == np.float32
     assert slides.hits[0].tolist() == [1] and slides.normals.tolist() == [[-1, 0]]
-    assert slides.floors.tolist() == [-1, -1] and slides.on_wall.tolist() == [True, False]
+    assert slides.floor.tolist() == [-1, -1] and slides.on_wall.tolist() == [True, False]
     assert isinstance(space.move_and_slide(0, (0, 0)), jostle.Slide)
     empty = space.move_and_slide([], np.empty((0, 2)))
-    assert len(empty.displacements) == 0 and len(empty.hits.ids) == 0
+    assert len(empty.displacement) == 0 and len(empty.hits.ids) == 0
 
 
 @pytest.mark.parametrize(

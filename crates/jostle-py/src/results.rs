@@ -296,14 +296,16 @@ pub fn slides<T: Element>(py: Python<'_>, all: Slides<T>) -> PyResult<Bound<'_, 
     static SLIDES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let met = Hits { offsets: all.offsets, ids: all.ids, tests: 0 };
     let fields = (
-        table(py, all.displacements)?,
+        table(py, all.displacement)?,
         table(py, all.remaining)?,
+        hits(py, met)?,
         table(py, all.normals)?,
+        column(py, all.floor),
+        table(py, all.platform_velocity)?,
         column(py, all.on_floor),
         column(py, all.on_wall),
         column(py, all.on_ceiling),
-        hits(py, met)?,
-        column(py, all.floors),
+        column(py, all.crushed),
     );
     SLIDES.import(py, "jostle.results", "Slides")?.call1(fields)
 }
@@ -312,14 +314,16 @@ pub fn slides<T: Element>(py: Python<'_>, all: Slides<T>) -> PyResult<Bound<'_, 
 pub fn slide<T: Element + Copy>(py: Python<'_>, all: Slides<T>) -> PyResult<Bound<'_, PyAny>> {
     static SLIDE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (
-        column(py, all.displacements[0].to_vec()),
+        column(py, all.displacement[0].to_vec()),
         column(py, all.remaining[0].to_vec()),
+        column(py, all.ids),
         table(py, all.normals)?,
+        all.floor[0],
+        column(py, all.platform_velocity[0].to_vec()),
         all.on_floor[0],
         all.on_wall[0],
         all.on_ceiling[0],
-        column(py, all.ids),
-        all.floors[0],
+        all.crushed[0],
     );
     SLIDE.import(py, "jostle.results", "Slide")?.call1(fields)
 }

@@ -7,7 +7,7 @@ use jostle_space::Space;
 use numpy::Element;
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, count, number, single_mask};
+use crate::arrays::{Argument, Given, count, number, single_mask, truth};
 use crate::ids::Ids;
 use crate::interrupt::detached;
 use crate::lock::Shared;
@@ -17,31 +17,45 @@ use crate::results;
 /// The keywords of the call.
 pub struct Rules<'py> {
     mask: u32,
-    max_slides: usize,
     up: Option<Argument<'py>>,
     floor_angle: f64,
+    snap: f64,
+    step_height: f64,
+    constant_speed: bool,
     one_way: u32,
+    max_slides: usize,
+}
+
+/// The keywords as they were given.
+pub struct Keywords<'a, 'py> {
+    pub mask: Maybe<'a, 'py>,
+    pub up: Given<'py>,
+    pub floor_angle: Given<'py>,
+    pub snap: Given<'py>,
+    pub step_height: Given<'py>,
+    pub constant_speed: Given<'py>,
+    pub one_way: Given<'py>,
+    pub max_slides: Given<'py>,
 }
 
 impl<'py> Rules<'py> {
     /// Reads the keywords.
-    pub fn read(
-        mask: Maybe<'_, 'py>,
-        max_slides: &Given<'py>,
-        up: &Given<'py>,
-        floor_angle: &Given<'py>,
-        one_way: &Given<'py>,
-    ) -> PyResult<Self> {
+    pub fn read(given: &Keywords<'_, 'py>) -> PyResult<Self> {
+        let number = |name, given: &Given<'py>, default| {
+            given.value().map_or(Ok(default), |value| number(name, value))
+        };
         Ok(Self {
-            mask: mask.map_or(Ok(u32::MAX), |mask| single_mask("mask", mask))?,
-            max_slides: max_slides
+            mask: given.mask.map_or(Ok(u32::MAX), |mask| single_mask("mask", mask))?,
+            up: given.up.value().map(|up| Argument::reals("up", up)).transpose()?,
+            floor_angle: number("floor_angle", &given.floor_angle, std::f64::consts::FRAC_PI_4)?,
+            snap: number("snap", &given.snap, 0.0)?,
+            step_height: number("step_height", &given.step_height, 0.0)?,
+            constant_speed: truth("constant_speed", &given.constant_speed)?,
+            one_way: given.one_way.value().map_or(Ok(0), |value| single_mask("one_way", value))?,
+            max_slides: given
+                .max_slides
                 .value()
                 .map_or(Ok(DEFAULT_MAX_SLIDES), |value| count("max_slides", value, 1))?,
-            up: up.value().map(|up| Argument::reals("up", up)).transpose()?,
-            floor_angle: floor_angle
-                .value()
-                .map_or(Ok(std::f64::consts::FRAC_PI_4), |value| number("floor_angle", value))?,
-            one_way: one_way.value().map_or(Ok(0), |value| single_mask("one_way", value))?,
         })
     }
 
@@ -50,8 +64,18 @@ impl<'py> Rules<'py> {
             None => [T::ZERO, -T::ONE],
             Some(up) => up.only_pair("direction")?,
         };
-        let Self { mask, max_slides, floor_angle, one_way, .. } = *self;
-        Ok(SlideRules { mask, max_slides, up, floor_angle, one_way })
+        let Self { mask, floor_angle, constant_speed, one_way, max_slides, .. } = *self;
+        let [snap, step_height] = [self.snap, self.step_height].map(T::from_f64);
+        Ok(SlideRules {
+            mask,
+            max_slides,
+            up,
+            floor_angle,
+            snap,
+            step_height,
+            constant_speed,
+            one_way,
+        })
     }
 
     /// Moves the shapes of a space.

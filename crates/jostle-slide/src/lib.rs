@@ -19,6 +19,7 @@ mod segment;
 mod solid;
 mod rules;
 mod walker;
+mod ground;
 
 pub use outline::Outline;
 pub use rules::{CheckedRules, DEFAULT_MAX_SLIDES, MAX_SLIDES, SlideRules, Surface};

@@ -21,6 +21,12 @@ pub struct SlideRules<T> {
     pub up: [T; 2],
     /// The largest angle between the normal of a floor and `up`, in radians.
     pub floor_angle: f64,
+    /// A shape that walks on a floor is put back on a floor at most this far below.
+    pub snap: T,
+    /// A shape that walks on a floor climbs steps of at most this height.
+    pub step_height: T,
+    /// Whether the speed along a floor is that of the displacement across `up`.
+    pub constant_speed: bool,
     /// Categories of the obstacles that stop shapes only from above.
     pub one_way: u32,
 }
@@ -28,7 +34,16 @@ pub struct SlideRules<T> {
 impl<T: Scalar> Default for SlideRules<T> {
     fn default() -> Self {
         let (max_slides, floor_angle) = (DEFAULT_MAX_SLIDES, std::f64::consts::FRAC_PI_4);
-        Self { mask: u32::MAX, max_slides, up: [T::ZERO; 2], floor_angle, one_way: 0 }
+        Self {
+            mask: u32::MAX,
+            max_slides,
+            up: [T::ZERO; 2],
+            floor_angle,
+            snap: T::ZERO,
+            step_height: T::ZERO,
+            constant_speed: false,
+            one_way: 0,
+        }
     }
 }
 
@@ -41,13 +56,16 @@ pub struct CheckedRules<T> {
     pub(crate) up: [T; 2],
     /// Cosine of the largest angle between the normal of a floor and `up`.
     pub(crate) floor_cosine: T,
+    pub(crate) snap: T,
+    pub(crate) step_height: T,
+    pub(crate) constant_speed: bool,
     pub(crate) one_way: u32,
 }
 
 impl<T: Scalar> SlideRules<T> {
     /// Refuses invalid values.
     pub fn check(&self) -> Result<CheckedRules<T>> {
-        let Self { mask, max_slides, up, floor_angle, one_way } = *self;
+        let Self { mask, max_slides, up, floor_angle, .. } = *self;
         if max_slides > MAX_SLIDES {
             let rule = format!("it must be at most {MAX_SLIDES}");
             return Err(Error::of("max_slides", max_slides, &rule));
@@ -59,6 +77,12 @@ impl<T: Scalar> SlideRules<T> {
         if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&floor_angle) {
             let rule = "it must be between 0 and pi / 2 radians";
             return Err(Error::of("floor_angle", floor_angle, rule));
+        }
+        for (name, value) in [("snap", self.snap), ("step_height", self.step_height)] {
+            if !(T::ZERO..=T::RADII[1]).contains(&value) {
+                let rule = format!("it must be between 0 and {:e}", T::RADII[1].to_f64());
+                return Err(Error::of(name, value, &rule));
+            }
         }
         let largest = up[0].abs().max(up[1].abs());
         // Divided by the larger component first: the square of a direction such as (0, 1e200) would
@@ -73,7 +97,17 @@ impl<T: Scalar> SlideRules<T> {
         // Angles are compared by their cosines: one product for each hit, and no arc cosine, which
         // systems round in different ways.
         let floor_cosine = T::from_f64(cosine(floor_angle) - COSINE_TOLERANCE);
-        Ok(CheckedRules { mask, max_slides, up, floor_cosine, one_way })
+        let Self { snap, step_height, constant_speed, one_way, .. } = *self;
+        Ok(CheckedRules {
+            mask,
+            max_slides,
+            up,
+            floor_cosine,
+            snap,
+            step_height,
+            constant_speed,
+            one_way,
+        })
     }
 }
 
@@ -81,6 +115,30 @@ impl<T: Scalar> CheckedRules<T> {
     /// The categories of the shapes that are obstacles.
     pub fn mask(&self) -> u32 {
         self.mask
+    }
+
+    /// How far from its path a shape may look for floors.
+    pub fn reach(&self) -> T {
+        self.snap + self.step_height + self.step_height
+    }
+
+    /// Whether there are floors, and rules for shapes that walk on them.
+    pub(crate) fn is_walking(&self) -> bool {
+        self.up != [T::ZERO; 2] && (self.reach() > T::ZERO || self.constant_speed)
+    }
+
+    /// A vector without its component along `up`.
+    pub(crate) fn across(&self, v: [T; 2]) -> [T; 2] {
+        let along = dot(v, self.up);
+        [v[0] - self.up[0] * along, v[1] - self.up[1] * along]
+    }
+
+    /// A motion of this length along a floor, to the side to which `v` points.
+    pub(crate) fn along_floor(&self, v: [T; 2], normal: [T; 2], length: T) -> [T; 2] {
+        let tangent = [-normal[1], normal[0]];
+        let side = dot(self.across(v), tangent);
+        let length = if side > T::ZERO { length } else { -length };
+        if side == T::ZERO { [T::ZERO; 2] } else { tangent.map(|v| v * length) }
     }
 
     /// The kind of a surface with this normal.

@@ -39,11 +39,11 @@ pub struct SlideHit<T> {
 /// A moving shape and the obstacles near it. In a periodic plane it begins in the first period and
 /// may leave it; obstacles have images.
 pub struct Walker<'a, T> {
-    rules: &'a CheckedRules<T>,
-    period: Period<T>,
+    pub(super) rules: &'a CheckedRules<T>,
+    pub(super) period: Period<T>,
     find: &'a mut FindObstacles<'a, T>,
-    body: Shape<T>,
-    near: &'a mut Vec<Obstacle<T>>,
+    pub(super) body: Shape<T>,
+    pub(super) near: &'a mut Vec<Obstacle<T>>,
     /// The region whose obstacles are in `near`: lower and upper corner.
     known: Option<[[T; 2]; 2]>,
     /// The region whose obstacles had an effect: lower and upper corner.
@@ -121,10 +121,11 @@ impl<'a, T: Scalar> Walker<'a, T> {
     }
 
     /// Moves it out of the obstacles that it overlaps, the deepest overlap first: along the normal,
-    /// and, if another obstacle stops it, along the surface of that one.
-    pub fn leave_obstacles(&mut self) {
+    /// and, if another obstacle stops it, along the surface of that one. Returns whether it is free
+    /// afterwards.
+    pub fn leave_obstacles(&mut self) -> bool {
         for _ in 0..ATTEMPTS {
-            let Some((normal, depth, _)) = self.overlap(T::ZERO) else { return };
+            let Some((normal, depth, _)) = self.overlap(T::ZERO) else { return true };
             // Out by a rounding error more than the depth, or the shape would still overlap in half
             // of all cases.
             let out = -(depth + self.slop(depth));
@@ -138,6 +139,12 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 self.shift(around);
             }
         }
+        self.is_free()
+    }
+
+    /// Whether it overlaps no obstacle by more than rounding errors.
+    pub fn is_free(&mut self) -> bool {
+        self.overlap(T::ZERO).is_none_or(|(_, depth, close)| depth <= close)
     }
 
     /// The deepest overlap with an obstacle, before the share `left` of its motion: as
@@ -160,8 +167,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         if self.period.is_exceeded_by(displacement) {
             return None;
         }
-        self.look(displacement);
-        let (share, hit, _) = self.advance(displacement, T::ZERO)?;
+        let (share, hit) = self.cast(displacement)?;
         self.record(hit);
         Some((share, hit))
     }
@@ -176,6 +182,17 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// Moves it by a displacement, sliding along obstacles.
     pub fn slide(&mut self, displacement: [T; 2]) {
         self.remaining = displacement;
+        self.slide_by(displacement, |_, _, _| None);
+    }
+
+    /// As [`slide`](Self::slide), without a new [`remaining`](Self::remaining). `choose` is called
+    /// with the rest of the displacement at each obstacle; if it returns another rest, it has
+    /// recorded what was met, else the shape slides along the obstacle.
+    pub(super) fn slide_by(
+        &mut self,
+        displacement: [T; 2],
+        mut choose: impl FnMut(&mut Self, [T; 2], SlideHit<T>) -> Option<[T; 2]>,
+    ) {
         let mut rest = displacement;
         // A motion is a sequence of casts: look for what is near, go to the first impact, take the
         // component into the surface from the rest, repeat. Each step ends at a place without
@@ -185,24 +202,33 @@ impl<'a, T: Scalar> Walker<'a, T> {
             if rest == [T::ZERO; 2] {
                 return;
             }
-            self.look(rest);
-            let Some((share, hit, _)) = self.advance(rest, T::ZERO) else { return };
-            self.hits.push(hit);
+            let Some((share, hit)) = self.cast(rest) else { return };
             let left = [rest[0] * (T::ONE - share), rest[1] * (T::ONE - share)];
-            rest = along_surface(self.rules, left, hit.normal);
-            // The whole displacement, not the rest: callers take it as the velocity that is left
-            // after the step.
-            self.remaining = along_surface(self.rules, self.remaining, hit.normal);
+            rest = choose(self, left, hit).unwrap_or_else(|| {
+                self.hits.push(hit);
+                // The whole displacement, not the rest: callers take it as the velocity that is
+                // left after the step.
+                self.remaining = along_surface(self.rules, self.remaining, hit.normal);
+                along_surface(self.rules, left, hit.normal)
+            });
         }
     }
 
+    /// Moves it by a displacement up to the first obstacle. Returns the share of the displacement
+    /// and the obstacle.
+    pub(super) fn cast(&mut self, displacement: [T; 2]) -> Option<(T, SlideHit<T>)> {
+        self.look(displacement);
+        let (share, hit, _) = self.advance(displacement, T::ZERO)?;
+        Some((share, hit))
+    }
+
     /// Upper bound of the rounding errors of a position at a distance.
-    fn slop(&self, distance: T) -> T {
+    pub(super) fn slop(&self, distance: T) -> T {
         slop(&self.body, &self.period, distance)
     }
 
     /// Finds the obstacles along the path, unless they are known.
-    fn look(&mut self, displacement: [T; 2]) {
+    pub(super) fn look(&mut self, displacement: [T; 2]) {
         let center = self.body.min;
         // Room for rounding on either side, so that what a test with slop could find has been
         // listed.
@@ -423,12 +449,12 @@ pub fn slop<T: Scalar>(body: &Shape<T>, period: &Period<T>, distance: T) -> T {
 
 /// Distance from the centre of a shape given by its centre to the side of its bounding box.
 #[inline(always)]
-fn extent<T: Scalar>(body: &Shape<T>, axis: usize) -> T {
+pub(super) fn extent<T: Scalar>(body: &Shape<T>, axis: usize) -> T {
     body.half_size[axis] + body.radius
 }
 
 #[inline(always)]
-fn length<T: Scalar>(v: [T; 2]) -> T {
+pub(super) fn length<T: Scalar>(v: [T; 2]) -> T {
     v[0].abs() + v[1].abs()
 }
 

@@ -29,12 +29,16 @@ pub(crate) struct Walk<T> {
     pub moved: [T; 2],
     /// The displacement without its components into obstacles.
     pub remaining: [T; 2],
-    /// The obstacles met.
+    /// The obstacles met; some may be listed several times.
     pub hits: Vec<SlideHit<T>>,
     /// The last floor, and the centre of that shape at this time.
     pub floor: Option<(u32, [T; 2])>,
+    /// The displacement of that floor, or else of the one on which it stood before.
+    pub platform_velocity: [T; 2],
     /// Whether it met a floor, a wall and a ceiling.
     pub kinds: [bool; 3],
+    /// Whether it overlaps obstacles that leave it no room.
+    pub is_crushed: bool,
     /// The region whose obstacles had an effect.
     pub seen: [[T; 2]; 2],
 }
@@ -315,24 +319,41 @@ impl<T: Scalar> Island<'_, T> {
         // This is the usual case of a crowd on a floor that stands still.
         let is_calm = carried == [T::ZERO; 2] && reach == [T::ZERO; 2] && call.moved.is_empty();
         let around = Around { reach, is_passed, carried };
-        let (center, remaining, hits, floor, kinds, seen) =
-            self.with_walker(index, around, |walker| {
-                if !is_calm {
-                    walker.carry(carried);
-                }
-                walker.leave_obstacles();
-                walker.slide(call.displacements[row]);
-                let kinds = [Surface::Floor, Surface::Wall, Surface::Ceiling]
-                    .map(|kind| walker.last_of(kind).is_some());
-                let floor = walker.last_of(Surface::Floor);
-                let hits = std::mem::take(&mut walker.hits);
-                (walker.center(), walker.remaining, hits, floor, kinds, walker.seen)
-            });
+        let mut walk = self.with_walker(index, around, |walker| {
+            if !is_calm {
+                walker.carry(carried);
+            }
+            let was_free = walker.leave_obstacles();
+            walker.walk(call.displacements[row]);
+            Walk {
+                row,
+                center: walker.center(),
+                moved: difference(walker.center(), start),
+                remaining: walker.remaining,
+                floor: walker.last_of(Surface::Floor).map(|slot| (slot, start)),
+                platform_velocity: [T::ZERO; 2],
+                kinds: [Surface::Floor, Surface::Wall, Surface::Ceiling]
+                    .map(|kind| walker.last_of(kind).is_some()),
+                // Its own motion may have brought it out.
+                is_crushed: !was_free && !walker.is_free(),
+                seen: walker.seen,
+                hits: std::mem::take(&mut walker.hits),
+            }
+        });
         // A wall does not move, so any centre will do: it carries nobody.
-        let still = |slot: u32| if slot & WALL == 0 { self.center_of(slot) } else { center };
-        let floor = floor.map(|slot| (slot, still(slot)));
-        let moved = difference(center, start);
-        Walk { row, center, moved, remaining, hits, floor, kinds, seen }
+        let moving = walk.floor.as_mut().filter(|(slot, _)| *slot & WALL == 0);
+        if let Some((slot, center)) = moving {
+            *center = self.center_of(*slot);
+        }
+        walk.platform_velocity = self.platform_velocity(row, walk.floor);
+        walk
+    }
+
+    /// The motion, since the last motion of a row, of the floor on which it is, or else was.
+    fn platform_velocity(&self, row: usize, floor: Option<(u32, [T; 2])>) -> [T; 2] {
+        let viewer = self.call.viewer(row);
+        let slot = floor.or(viewer.floor).map(|(slot, _)| slot).filter(|slot| slot & WALL == 0);
+        slot.map_or([T::ZERO; 2], |slot| self.call.motion(&viewer, slot, self.center_of(slot)))
     }
 
     /// Calls `act` with a shape that can move among all others that are not skipped.

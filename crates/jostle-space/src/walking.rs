@@ -20,7 +20,7 @@ const FEW: usize = 64;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Slides<T> {
     /// The displacement that each shape has made.
-    pub displacements: Vec<[T; 2]>,
+    pub displacement: Vec<[T; 2]>,
     /// The requested displacements without their components into the obstacles met.
     pub remaining: Vec<[T; 2]>,
     /// Whether a floor was met.
@@ -29,14 +29,19 @@ pub struct Slides<T> {
     pub on_wall: Vec<bool>,
     /// Whether a ceiling was met.
     pub on_ceiling: Vec<bool>,
+    /// Whether obstacles leave no room to a shape, so that it overlaps one.
+    pub crushed: Vec<bool>,
     /// The last floor met; −1 if there is none. The wall with the index k has the number −2 − k.
-    pub floors: Vec<Id>,
+    pub floor: Vec<Id>,
+    /// The displacement, since the last call for the shape, of that floor, or else of the floor on
+    /// which it stood before.
+    pub platform_velocity: Vec<[T; 2]>,
     /// Index of the first hit of each shape, and the total number of hits.
     pub offsets: Vec<usize>,
-    /// The ids of the obstacles met by each shape, in the order in which they were met, walls as
-    /// in `floors`.
+    /// The ids of the obstacles met by each shape, each once, in the order in which they were met,
+    /// walls as in `floor`.
     pub ids: Vec<Id>,
-    /// The normal of each obstacle where it was met.
+    /// The normal of each obstacle where it was met first.
     pub normals: Vec<[T; 2]>,
 }
 
@@ -54,6 +59,7 @@ impl<T: Scalar> Space<T> {
         displacements: &[[T; 2]],
         rules: &SlideRules<T>,
     ) -> Result<Slides<T>> {
+        check_reach(rules, &self.period)?;
         let rules = &rules.check()?;
         check_displacements(ids, displacements, &self.period)?;
         let walkers = self.slots.find(ids)?;
@@ -158,12 +164,14 @@ impl<T: Scalar> Space<T> {
         walks.sort_unstable_by_key(|walk| walk.row);
         let hits = walks.iter().map(|walk| walk.hits.len()).sum();
         let mut all = Slides {
-            displacements: memory::with_capacity(walks.len())?,
+            displacement: memory::with_capacity(walks.len())?,
             remaining: memory::with_capacity(walks.len())?,
             on_floor: memory::with_capacity(walks.len())?,
             on_wall: memory::with_capacity(walks.len())?,
             on_ceiling: memory::with_capacity(walks.len())?,
-            floors: memory::with_capacity(walks.len())?,
+            crushed: memory::with_capacity(walks.len())?,
+            floor: memory::with_capacity(walks.len())?,
+            platform_velocity: memory::with_capacity(walks.len())?,
             offsets: memory::with_capacity(walks.len() + 1)?,
             ids: memory::with_capacity(hits)?,
             normals: memory::with_capacity(hits)?,
@@ -176,15 +184,22 @@ impl<T: Scalar> Space<T> {
                 self.traces.note(slot, || before);
                 self.starts.note(slot, || before);
             }
-            all.displacements.push(walk.moved);
+            all.displacement.push(walk.moved);
             all.remaining.push(walk.remaining);
             let [floor, wall, ceiling] = walk.kinds;
             all.on_floor.push(floor);
             all.on_wall.push(wall);
             all.on_ceiling.push(ceiling);
-            all.floors.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
-            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.index)));
-            all.normals.extend(walk.hits.iter().map(|hit| hit.normal));
+            all.crushed.push(walk.is_crushed);
+            all.platform_velocity.push(walk.platform_velocity);
+            all.floor.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
+            for (nth, hit) in walk.hits.iter().enumerate() {
+                // A shape meets few obstacles, so a set of them would cost more.
+                if walk.hits[..nth].iter().all(|before| before.index != hit.index) {
+                    all.ids.push(self.id_of_met(hit.index));
+                    all.normals.push(hit.normal);
+                }
+            }
             all.offsets.push(all.ids.len());
         }
         for (walk, &slot) in walks.iter().zip(walkers) {
@@ -199,6 +214,18 @@ impl<T: Scalar> Space<T> {
         self.traces.end_call(walkers);
         Ok(all)
     }
+}
+
+/// Refuses lengths by which a shape would meet an image of an obstacle twice.
+fn check_reach<T: Scalar>(rules: &SlideRules<T>, period: &Period<T>) -> Result<()> {
+    for (name, value) in [("snap", rules.snap), ("step_height", rules.step_height)] {
+        let is_too_long = |&axis: &usize| period.is_along(axis) && value > period.sides()[axis];
+        if let Some(axis) = (0..2).find(is_too_long) {
+            let side = period.sides()[axis].to_f64();
+            return Err(Error::of(name, value, &format!("it must be at most {side}, the period")));
+        }
+    }
+    Ok(())
 }
 
 /// Refuses displacements that are not finite, whose squares may overflow, or that are longer than

@@ -144,7 +144,7 @@ impl<T: Scalar> SlideCall<'_, T> {
         });
         // Sums of absolute components are upper bounds of lengths without a square root. Sliding
         // never makes a displacement longer, and a floor carries at most by its own motion.
-        let length = sum(displacement) + carried + sum(self.moved_before(row));
+        let length = sum(displacement) + carried + sum(self.moved_before(row)) + self.rules.reach();
         let extent = [0, 1].map(|axis| shape.half_size[axis] + shape.radius);
         let size = sum(shape.min) + sum(self.period.sides()) + length + sum(extent);
         let margin = length + extent[0] + extent[1] + size * T::EPSILON * T::from_f64(256.0);

@@ -159,7 +159,7 @@ fn assert_stays_free(
             let is_of_walker = pair.iter().any(|id| ids.contains(id));
             prop_assert!(!is_of_walker || before.contains(&pair) || is_pressed, "{pair:?} {round}");
         }
-        floors = slides.floors;
+        floors = slides.floor;
     }
     Ok(())
 }
@@ -242,7 +242,7 @@ proptest! {
         let sizes = space.read(&ids, |shape| (shape.half_size, shape.radius)).unwrap();
         let home: Vec<_> = scene.obstacles.iter().map(|row| period.wrap_shape(shape(row))).collect();
         for (k, (half, radius)) in sizes.into_iter().enumerate() {
-            let (from, moved) = (before[k], slides.displacements[k]);
+            let (from, moved) = (before[k], slides.displacement[k]);
             let size = from.iter().chain(&moved).fold(40.0f64, |most, v| most.max(v.abs()));
             let end = period.minimum_image([0, 1].map(|axis| from[axis] + moved[axis] - after[k][axis]));
             prop_assert!(end[0].abs().max(end[1].abs()) < 1e-13 * size, "{:?}", end);
@@ -280,7 +280,7 @@ proptest! {
         let rules = scene.rules(u32::MAX, 1);
         let slides = one.move_and_slide(&ids, &displacements, &rules).unwrap();
         let again = other.move_and_slide(&ids, &displacements, &rules).unwrap();
-        for (a, b) in slides.displacements.iter().zip(&again.displacements) {
+        for (a, b) in slides.displacement.iter().zip(&again.displacement) {
             let error = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
             // Impacts at a grazing angle multiply rounding errors.
             prop_assert!(error < 1e-4, "{:?} {:?}", a, b);
@@ -348,7 +348,7 @@ proptest! {
         if is_met {
             expected[axis] = motion[axis] * (1.0 - enter);
         }
-        let found = slides.displacements[0];
+        let found = slides.displacement[0];
         prop_assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-9), "{found:?} {expected:?}");
         prop_assert_eq!(slides.ids.len(), usize::from(is_met));
         prop_assert_eq!(slides.on_floor[0], is_met && axis == 1 && motion[1] < 0.0);
@@ -415,7 +415,7 @@ fn segments_at_every_angle_stop_every_shape() {
             let away = x * cos + y * sin;
             assert!((away - (5.0 - reach)).abs() < 1e-8, "{k} {away} {reach}");
             assert!(
-                slides.on_floor[0] && slides.floors[0] <= -2 && !slides.on_wall[0],
+                slides.on_floor[0] && slides.floor[0] <= -2 && !slides.on_wall[0],
                 "{k} {row:?} {slides:?}"
             );
         }
@@ -453,10 +453,10 @@ fn a_platform_carries_across_the_edge() {
     let rider = add(&mut space, &[([1.0, -2.0], [0.5, 1.0], 0.0)], WALKER);
     let rules = floors_face([0.0, -1.0]);
     let slides = space.move_and_slide(&rider, &[[0.0, 2.0]], &rules).unwrap();
-    assert_eq!(slides.floors, floor);
+    assert_eq!(slides.floor, floor);
     space.move_to(&floor, &[[21.0, 0.0]]).unwrap();
     let slides = space.move_and_slide(&rider, &[[0.0, 0.5]], &rules).unwrap();
-    assert!((slides.displacements[0][0] - 2.0).abs() < 1e-12, "{slides:?}");
+    assert!((slides.displacement[0][0] - 2.0).abs() < 1e-12, "{slides:?}");
     assert!((centers(&space, &rider)[0][0] - 3.0).abs() < 1e-12);
     let error = space.move_and_slide(&rider, &[[20.5, 0.0]], &rules).unwrap_err().to_string();
     assert!(error.contains("displacements[0]") && error.contains("the period"), "{error}");

@@ -109,15 +109,20 @@ class Slide(Result):
     remaining : ndarray of float32 or float64, shape (2,)
         The displacement that was given, without its components into the obstacles; divided by
         the duration of the step it is the velocity for the next step.
-    normals : ndarray of float32 or float64, shape (m, 2)
-        Unit normal of each obstacle, towards the shape.
-    on_floor, on_wall, on_ceiling : bool
-        Whether it met a surface that faces up, sideways or down.
     hits : ndarray of int64, shape (m,)
-        Ids of the obstacles, in the order in which it met them; -2 - k is the wall with the
-        index k.
+        Ids of the obstacles, each once, in the order in which it met them; -2 - k is the wall with
+        the index k.
+    normals : ndarray of float32 or float64, shape (m, 2)
+        Unit normal of each obstacle where it was met first, towards the shape.
     floor : int
         Id of the last floor that it met; -1 if there is none, a wall as in `hits`.
+    platform_velocity : ndarray of float32 or float64, shape (2,)
+        The displacement, since the last call for the shape, of that floor, or else of the floor on
+        which it stood before; (0, 0) without one.
+    on_floor, on_wall, on_ceiling : bool
+        Whether it met a surface that faces up, sideways or down.
+    crushed : bool
+        Whether obstacles leave it no room, so that it overlaps one.
 
     See Also
     --------
@@ -128,22 +133,26 @@ class Slide(Result):
     __slots__ = (
         "displacement",
         "remaining",
+        "hits",
         "normals",
+        "floor",
+        "platform_velocity",
         "on_floor",
         "on_wall",
         "on_ceiling",
-        "hits",
-        "floor",
+        "crushed",
     )
 
     displacement: NDArray[np.floating[Any]]
     remaining: NDArray[np.floating[Any]]
+    hits: NDArray[np.int64]
     normals: NDArray[np.floating[Any]]
+    floor: int
+    platform_velocity: NDArray[np.floating[Any]]
     on_floor: bool
     on_wall: bool
     on_ceiling: bool
-    hits: NDArray[np.int64]
-    floor: int
+    crushed: bool
 
 
 class Slides(Result):
@@ -151,20 +160,26 @@ class Slides(Result):
 
     Attributes
     ----------
-    displacements : ndarray of float32 or float64, shape (k, 2)
+    displacement : ndarray of float32 or float64, shape (k, 2)
         How far each has moved, in units of length.
     remaining : ndarray of float32 or float64, shape (k, 2)
         The displacements that were given, without their components into the obstacles; divided
         by the duration of the step they are the velocities for the next step.
+    hits : IdLists
+        Ids of the obstacles of each, each once, in the order in which it met them; -2 - k is the
+        wall with the index k.
     normals : ndarray of float32 or float64, shape (m, 2)
-        Unit normal of each obstacle, towards the shape that met it; in the order of ``hits.ids``.
+        Unit normal of each obstacle where it was met first, towards the shape that met it; in the
+        order of ``hits.ids``.
+    floor : ndarray of int64, shape (k,)
+        Id of the last floor that each met; -1 if there is none, a wall as in `hits`.
+    platform_velocity : ndarray of float32 or float64, shape (k, 2)
+        The displacement, since the last call for the shape, of that floor, or else of the floor on
+        which it stood before; (0, 0) without one.
     on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
         Whether each met a surface that faces up, sideways or down.
-    hits : IdLists
-        Ids of the obstacles of each, in the order in which it met them; -2 - k is the wall with
-        the index k.
-    floors : ndarray of int64, shape (k,)
-        Id of the last floor that each met; -1 if there is none, a wall as in `hits`.
+    crushed : ndarray of bool, shape (k,)
+        Whether obstacles leave it no room, so that it overlaps one.
 
     See Also
     --------
@@ -172,22 +187,15 @@ class Slides(Result):
     Slide : The result for one shape.
     """
 
-    __slots__ = (
-        "displacements",
-        "remaining",
-        "normals",
-        "on_floor",
-        "on_wall",
-        "on_ceiling",
-        "hits",
-        "floors",
-    )
+    __slots__ = Slide.__slots__
 
-    displacements: NDArray[np.floating[Any]]
+    displacement: NDArray[np.floating[Any]]
     remaining: NDArray[np.floating[Any]]
+    hits: IdLists
     normals: NDArray[np.floating[Any]]
+    floor: NDArray[np.int64]
+    platform_velocity: NDArray[np.floating[Any]]
     on_floor: NDArray[np.bool_]
     on_wall: NDArray[np.bool_]
     on_ceiling: NDArray[np.bool_]
-    hits: IdLists
-    floors: NDArray[np.int64]
+    crushed: NDArray[np.bool_]

@@ -78,5 +78,5 @@ def slid(space: Space, id: int, ids: Ids, vector: pygame.Vector2, given: Any) ->
     assert_type(space.move_and_slide(ids, [(0, 1), (2, 3)], one_way=4), Slides)
     assert_type(space.move_and_slide([1, 2], np.ones((2, 2)), mask=3), Slides)
     assert_type(space.move_and_slide(id, (0, 1)).on_floor, bool)
-    for step in space.move_and_slide(given, given).displacements:
+    for step in space.move_and_slide(given, given).displacement:
         print(step)

@@ -28,36 +28,51 @@ impl PySpace {
     /// mask : int, optional
     ///     The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes
     ///     that may not pair by their own categories and masks are no obstacles either.
-    /// max_slides : int, default 4
-    ///     Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
-    ///     last one.
     /// up : array_like, shape (2,), default (0, -1)
     ///     The direction in which floors face; y grows downwards on screens. With (0, 0), as seen
     ///     from above, every obstacle is a wall.
     /// floor_angle : float, default pi / 4
     ///     Largest angle between the normal of a floor and `up`, in radians. A shape stands on a
     ///     floor without sliding down, and climbs it; a steeper slope is a wall.
+    /// snap : float, default 0
+    ///     A shape that walks is put on a floor that is at most this far below it at the end, in
+    ///     units of length. So it does not hop downhill or down steps. See Notes.
+    /// step_height : float, default 0
+    ///     A shape that walks climbs steps of at most this height onto a floor, in units of length,
+    ///     where there is room.
+    /// constant_speed : bool, default False
+    ///     Whether a shape that walks moves along a floor as far as its displacement leads across
+    ///     `up`, uphill and downhill. Otherwise its way depends on the slope and on gravity.
     /// one_way : int, default 0
     ///     Categories of the obstacles that stop only shapes that are above them and move down.
+    /// max_slides : int, default 4
+    ///     Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
+    ///     last one.
     ///
     /// Returns
     /// -------
     /// Slides or Slide
     ///     One `Slide` for one id.
     ///
-    ///     displacements : ndarray of the space's dtype, shape (k, 2)
+    ///     displacement : ndarray of the space's dtype, shape (k, 2)
     ///         How far each shape has moved.
     ///     remaining : ndarray of the space's dtype, shape (k, 2)
     ///         The displacements that were given, without their components into the obstacles:
     ///         divided by the duration of the step, the velocities for the next step.
+    ///     hits : IdLists
+    ///         Ids of the obstacles that each shape has met, each once; -2 minus its index for a
+    ///         wall.
     ///     normals : ndarray of the space's dtype, shape (m, 2)
     ///         Unit normal of each hit, towards the shape.
+    ///     floor : ndarray of int64, shape (k,)
+    ///         Id of the last floor, as in `hits`; -1 if there is none.
+    ///     platform_velocity : ndarray of the space's dtype, shape (k, 2)
+    ///         The displacement of that floor since the last call for the shape; without one, that
+    ///         of the floor on which the shape stood before.
     ///     on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
     ///         Whether each shape has met one.
-    ///     hits : Hits
-    ///         Ids of the obstacles that each shape has met; -2 minus its index for a wall.
-    ///     floors : ndarray of int64, shape (k,)
-    ///         Id of the last floor, as in `hits`; -1 if there is none.
+    ///     crushed : ndarray of bool, shape (k,)
+    ///         Whether obstacles leave the shape no room, so that it overlaps one.
     ///
     /// Raises
     /// ------
@@ -79,6 +94,13 @@ impl PySpace {
     /// floor moves before the shapes that stand on it, the foremost of shapes with the same
     /// displacement first, and shapes whose category `mask` leaves out last. The order of other
     /// shapes has no effect.
+    ///
+    /// A shape walks if its displacement has no component along `up`, and if it touches something
+    /// below at the beginning or meets a floor on its way. To touch means a gap of at most 1/1024 of
+    /// its size. So a jump leaves the floor, and what falls is not attracted by one. With `snap`,
+    /// `remaining` has no component along `up` after a walk that ends on a floor. A step is climbed
+    /// by moving up, on, and down onto a floor; the point that touches the floor is at most
+    /// `step_height` above the lowest point of the shape.
     ///
     /// The motions that obstacles have made since the last call for a shape, by :meth:`set` or by
     /// another call, are repeated first, all at the same time: what meets the shape pushes it. A
@@ -114,11 +136,13 @@ impl PySpace {
     /// (True, True, array([48.,  6.]))
     #[pyo3(
         signature = (
-            ids, displacements, *, mask=None, max_slides=Given::NOTHING, up=Given::NOTHING,
-            floor_angle=Given::NOTHING, one_way=Given::NOTHING,
+            ids, displacements, *, mask=None, up=Given::NOTHING, floor_angle=Given::NOTHING,
+            snap=Given::NOTHING, step_height=Given::NOTHING, constant_speed=Given::NOTHING,
+            one_way=Given::NOTHING, max_slides=Given::NOTHING,
         ),
-        text_signature = "($self, ids, displacements, *, mask=None, max_slides=4, up=(0, -1), \
-                          floor_angle=0.7853981633974483, one_way=0)"
+        text_signature = "($self, ids, displacements, *, mask=None, up=(0, -1), \
+                          floor_angle=0.7853981633974483, snap=0, step_height=0, \
+                          constant_speed=False, one_way=0, max_slides=4)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn move_and_slide<'py>(
@@ -127,12 +151,24 @@ impl PySpace {
         ids: &Bound<'py, PyAny>,
         displacements: &Bound<'py, PyAny>,
         mask: Maybe<'_, 'py>,
-        max_slides: Given<'py>,
         up: Given<'py>,
         floor_angle: Given<'py>,
+        snap: Given<'py>,
+        step_height: Given<'py>,
+        constant_speed: Given<'py>,
         one_way: Given<'py>,
+        max_slides: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let rules = slide::Rules::read(mask, &max_slides, &up, &floor_angle, &one_way)?;
+        let rules = slide::Rules::read(&slide::Keywords {
+            mask,
+            up,
+            floor_angle,
+            snap,
+            step_height,
+            constant_speed,
+            one_way,
+            max_slides,
+        })?;
         with_space!(self, space => rules.run(py, space, ids, displacements))
     }
 

@@ -216,7 +216,7 @@ impl SlideCase {
         for (other, shape) in obstacles() {
             assert!(!overlap(end, shape, &self.model.period), "it has entered {other}");
         }
-        let [moved, wished] = [found.displacements[0], wanted].map(|[x, y]| x.hypot(y));
+        let [moved, wished] = [found.displacement[0], wanted].map(|[x, y]| x.hypot(y));
         assert!(
             moved <= wished * (1.0 + TOLERANCE) + TOLERANCE,
             "it has moved by {moved} of {wished}"
@@ -224,7 +224,7 @@ impl SlideCase {
         if !found.ids.is_empty() || wished == 0.0 || self.model.period != Period::default() {
             return;
         }
-        let is_close = |k: usize| (found.displacements[0][k] - wanted[k]).abs() < TOLERANCE;
+        let is_close = |k: usize| (found.displacement[0][k] - wanted[k]).abs() < TOLERANCE;
         assert!(is_close(0) && is_close(1), "it has met nothing: {found:?}");
         for (other, shape) in obstacles() {
             // A path that grazes an obstacle is free.
