@@ -164,7 +164,8 @@ impl SlideCase {
         let up = draw.pick(&[[0.0, -1.0], [0.0; 2]]);
         let one_way = draw.pick(&[0, 0, 0, 2]);
         draw.say("slide", (&ids, &displacements, mask, slides, up, one_way));
-        let rules = SlideRules { mask, max_slides: slides, up, floor_angle: 0.8, one_way };
+        let given = SlideRules::default();
+        let rules = SlideRules { mask, max_slides: slides, up, floor_angle: 0.8, one_way, ..given };
         let before = self.model.shapes.clone();
         let found = self.kept.move_and_slide(&ids, &displacements, &rules).expect("valid");
         let other = self.other.move_and_slide(&ids, &displacements, &rules).expect("valid");
