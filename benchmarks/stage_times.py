@@ -107,7 +107,7 @@ def rows(name: str, world: jostle.World, rounds: int) -> list[Row]:
             "count": len(world),
             "version": jostle.__version__,
             "threads": 1,
-            "substeps": world.stats.substeps,
+            "substeps": world.last_step.substeps,
             "stage": stage,
             "rounds": len(steps),
             "median_s": f"{1e-3 * statistics.median(step[stage] for step in steps):.4g}",

@@ -79,7 +79,7 @@ def state_of(world: jostle.World) -> InitialState:
         (box.min_x, box.min_y, box.max_x, box.max_y),
         tuple(world.gravity.tolist()),
         float(world.restitution[0]),  # the same for all
-        world.stats.substeps,
+        world.last_step.substeps,
     )
 
 

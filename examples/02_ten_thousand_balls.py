@@ -33,4 +33,4 @@ for screen in show.frames("Ten thousand balls", until=200):
     corners = (world.positions[:n] - 4).tolist()
     screen.fblits(list(zip(stamp_of, corners)))
     pygame.draw.aacircle(screen, show.TEXT, center, 36)
-    show.caption(screen, f"{n:,} balls, {len(world.contacts.pairs):,} contacts")
+    show.caption(screen, f"{n:,} balls, {len(world.last_step.contacts.pairs):,} contacts")

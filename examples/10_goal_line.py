@@ -21,7 +21,7 @@ scores, hits = np.zeros(2, int), 0
 
 for screen in show.frames("Goal line", until=240):
     world.step(1 / 60)
-    hits += world.collisions.pairs
+    hits += world.last_call.collisions
     events = world.events  # pairs of ids, the smaller first
     for k, goal in enumerate(goals):
         scores[k] += (events.entered[:, 1] == goal).sum()

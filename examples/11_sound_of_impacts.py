@@ -21,7 +21,7 @@ world = jostle.World(
 sound, time = np.zeros(rate * (seconds + 1)), np.arange(rate // 5) / rate
 for frame in range(60 * seconds):
     world.step(1 / 60)
-    pairs, walls = world.contacts, world.wall_contacts
+    pairs, walls = world.last_step.contacts, world.last_step.wall_contacts
     ids = np.concatenate([pairs.pairs[:, 0], walls.ids])
     impulses = np.concatenate([pairs.normal_impulses, walls.normal_impulses])
     for id, impulse in zip(ids[impulses > 2e4], impulses[impulses > 2e4]):

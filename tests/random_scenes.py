@@ -105,7 +105,7 @@ def find_faults(seed: int) -> tuple[list[Fault], bool]:
         before, old = world.positions.astype(float), world.velocities.astype(float)
         world.step(dt)
         after, new = world.positions.astype(float), world.velocities.astype(float)
-        is_unresolved |= world.stats.unresolved > 0
+        is_unresolved |= world.last_step.unresolved > 0
         changes = impulses(world) / world.masses + pull * dt
         errors.append(after - before - 0.5 * (old + new) * dt)
         allowances.append(0.505 * changes * dt + CORRECTION * radii)
@@ -127,7 +127,7 @@ def find_faults(seed: int) -> tuple[list[Fault], bool]:
 def impulses(world: jostle.World) -> Floats:
     """Return the sum of the magnitudes of all impulses on each disc in the last step."""
     sums = np.zeros(len(world))
-    contacts, at_walls = world.contacts, world.wall_contacts
+    contacts, at_walls = world.last_step.contacts, world.last_step.wall_contacts
     for ids, all_of in ((contacts.pairs[:, 0], contacts), (contacts.pairs[:, 1], contacts)):
         np.add.at(sums, ids, all_of.normal_impulses + np.abs(all_of.friction_impulses))
     np.add.at(sums, at_walls.ids, at_walls.normal_impulses + np.abs(at_walls.friction_impulses))

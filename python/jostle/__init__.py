@@ -19,7 +19,7 @@
     The results of queries.
 `Separated`, `Slide`, `Slides`, `Shape`, `Shapes`
     The results of `separate`, `Space.move_and_slide` and `Space.get`.
-`WorldContacts`, `WallContacts`, `WorldEvents`, `WorldCollisions`, `WorldStats`
+`WorldContacts`, `WallContacts`, `WorldEvents`, `LastStep`, `LastCall`
     What a world says about its last step.
 `Particle`, `Particles`
     Copies of some particles.
@@ -49,6 +49,8 @@ from jostle._core import (
 from jostle.results import (
     Contacts,
     IdLists,
+    LastCall,
+    LastStep,
     Neighbors,
     Nodes,
     Particle,
@@ -63,10 +65,8 @@ from jostle.results import (
     Slides,
     Stats,
     WallContacts,
-    WorldCollisions,
     WorldContacts,
     WorldEvents,
-    WorldStats,
 )
 from jostle.tilemap import tiles
 from jostle.walls import Side, polyline
@@ -81,6 +81,8 @@ __all__ = [
     "Flocking",
     "Gravitation",
     "IdLists",
+    "LastCall",
+    "LastStep",
     "Motor",
     "Neighbors",
     "Nodes",
@@ -104,10 +106,8 @@ __all__ = [
     "Thermostat",
     "WallContacts",
     "World",
-    "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
-    "WorldStats",
     "__version__",
     "find_pairs",
     "life",

@@ -24,6 +24,8 @@ from jostle.results import (
     Contacts,
     GaltonBoard,
     IdLists,
+    LastCall,
+    LastStep,
     Neighbors,
     Nodes,
     Nozzle,
@@ -38,11 +40,7 @@ from jostle.results import (
     Slide,
     Slides,
     Stats,
-    WallContacts,
-    WorldCollisions,
-    WorldContacts,
     WorldEvents,
-    WorldStats,
 )
 
 __all__ = [
@@ -2685,7 +2683,7 @@ class World:
         See Also
         --------
         events : The pairs that began and ceased to touch.
-        contacts, wall_contacts : What touched, with impulses.
+        last_step, last_call : What touched in the last step, and sums over the call.
         profile : The time of each stage.
 
         Examples
@@ -3364,7 +3362,7 @@ class World:
         See Also
         --------
         jostle.polyline : Walls between consecutive points.
-        wall_contacts : The walls that particles touched.
+        last_step : The walls that particles touched, and more.
 
         Examples
         --------
@@ -3374,7 +3372,7 @@ class World:
         ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
         ... )
         >>> world.step(0.5)
-        >>> world.positions, world.wall_contacts.walls
+        >>> world.positions, world.last_step.wall_contacts.walls
         (array([[0., 2.]], dtype=float32), array([0]))
         >>> world.walls = None
         >>> world.walls.shape
@@ -3512,8 +3510,8 @@ class World:
 
         An island of particles that touch or nearly touch falls asleep under gravity if each of them
         rests on something and has been slow for half a second, and if their motion is steady and
-        does not grow. Sleeping particles do not move, and cost almost nothing. `contacts` and
-        `wall_contacts` keep those of the last step in which they were awake.
+        does not grow. Sleeping particles do not move, and cost almost nothing. Their
+        contacts in `last_step` are those of the last step in which they were awake.
 
         An island wakes if a moving particle could touch it in the step, or if one of its particles
         is changed or removed (also if `world.positions` is assigned: to move a few, use
@@ -3575,34 +3573,21 @@ class World:
         array([0])
         """
     @property
-    def contacts(self) -> WorldContacts:
-        """The pairs that touched during the last step, a `WorldContacts`; if `on_touch` is not
-        "bounce", the pairs that overlap now, without impulses.
+    def last_step(self) -> LastStep:
+        """What the last step found: a `LastStep` of `contacts`, the pairs that touched, a
+        `WorldContacts`; `wall_contacts`, the particles to which walls or the container gave an impulse,
+        a `WallContacts`; and the numbers `substeps`, `unresolved` and `collapsed`.
 
-        It has `pairs` (m, 2) of ids, ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,),
-        the penetration at the end of the step, negative for pairs that had separated. The sums of
-        the impulses of the step are `normal_impulses` and `friction_impulses` (m,).
+        The contacts are listed when it is read. Those of sleeping particles are those of the last step
+        in which they were awake. If `on_touch` is not "bounce", the pairs are those that overlap now,
+        without impulses. The numbers are 0 before the first step, and after `restore` and `load`.
+        Impulses are those of one step: divided by its length they are mean forces. A sum over many
+        steps is in `last_call`.
 
         See Also
         --------
-        wall_contacts : The contacts with walls.
+        last_call : Sums over all steps of the last call of `step`.
         events : The pairs that began and ceased to touch.
-        Quadtree.contacts : The overlaps of shapes.
-        """
-    @property
-    def wall_contacts(self) -> WallContacts:
-        """The particles to which walls or the container gave an impulse during the last step: a
-        `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
-        to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
-        particle. Divided by the length of the step, impulses are mean forces.
-
-        Wall k of `walls` has the number k; the sides of the container have those of `Side`, which are
-        negative.
-
-        See Also
-        --------
-        contacts : The pairs of particles.
-        Side : The sides of the container.
 
         Examples
         --------
@@ -3610,8 +3595,34 @@ class World:
         >>> box = jostle.Box(-9, 0, 9, 9)
         >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
         >>> world.step(0.01)
-        >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
+        >>> on_floor = world.last_step.wall_contacts
+        >>> on_floor.walls, (on_floor.normal_impulses / 0.01).round(2)
         (array([-4]), array([10.], dtype=float32))
+        """
+    @property
+    def last_call(self) -> LastCall:
+        """Sums over the last call of `step`, with all its steps: a `LastCall` of `duration`, `steps`,
+        `collisions`, `wall_collisions`, `collision_virial`, `wall_impulses` and `side_impulses`.
+
+        Particles that sleep add nothing; ``World(..., sleeping=False)`` keeps all awake.
+
+        See Also
+        --------
+        last_step : What touched in the last step.
+
+        Examples
+        --------
+        The pressure of a gas in a box, from the impulses of its four sides:
+
+        >>> import jostle, numpy as np
+        >>> box, rng = jostle.Box(0, 0, 100, 100), np.random.default_rng(1)
+        >>> at = rng.uniform(5, 95, (400, 2))
+        >>> gas = jostle.World(at, 0.1, masses=1.0, velocities=rng.normal(size=(400, 2)), container=box)
+        >>> gas.step(0.1, steps=5000)
+        >>> call = gas.last_call
+        >>> pressure = call.side_impulses[:, 0].sum() / (call.duration * 400)
+        >>> round(float(pressure * box.area / (len(gas) * gas.temperature())), 1)  # that of an ideal gas
+        1.0
         """
     @property
     def events(self) -> WorldEvents:
@@ -3637,8 +3648,8 @@ class World:
 
         See Also
         --------
-        contacts : The pairs of the last step, with impulses.
-        collisions : The number of collisions.
+        last_step : The pairs of the last step, with impulses.
+        last_call : The number of collisions.
 
         Examples
         --------
@@ -3662,26 +3673,6 @@ class World:
         """
     @track_events.setter
     def track_events(self, value: bool) -> None: ...
-    @property
-    def collisions(self) -> WorldCollisions:
-        """The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those
-        of two particles, and `walls`, those of a particle and a wall or the container.
-
-        Every impact counts, also several of one pair. Resting contacts do not count.
-
-        See Also
-        --------
-        contacts, wall_contacts : Which particles touched, with impulses.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> box = jostle.Box(-4, -1, 4, 1)
-        >>> world = jostle.World([(-3, 0), (0, 0)], 1.0, velocities=[(1, 0), (0, 0)], container=box)
-        >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
-        >>> world.collisions
-        WorldCollisions(pairs=3, walls=2)
-        """
     def angular_momentum(self, about: _Vectors = (0.0, 0.0)) -> float:
         """Return the sum of m (r - a) × v + I ω of the movable particles, with the moment of inertia
         I = m r²/2.
@@ -3779,16 +3770,15 @@ class World:
         stats : The work of the last step, in numbers.
         """
     @property
-    def stats(self) -> WorldStats:
-        """The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
-        `tests`, the number of pairs that were tested, `unresolved`, the number of particles that had
-        too many collisions and then stayed with what pressed them, `substeps`, and `collapsed`, how
-        often the collisions of a particle became elastic. All are 0 before the first step, and after
-        `restore` and `load`.
+    def stats(self) -> Stats:
+        """The size of the tree of the last step: a `Stats` of `nodes`, `leaves`, `depth` and `tests`, the
+        number of pairs that were tested. All are 0 before the first step, and after `restore` and
+        `load`.
 
         See Also
         --------
         profile : The time of each stage.
+        last_step : What the last step found.
         """
     def state_hash(self) -> int:
         """Return a 64-bit hash of all particles.
@@ -4893,7 +4883,7 @@ class ThermalWalls:
         Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
         particle, in units of mass times length² per second².
     sides : array_like of int, shape (k,), optional
-        Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y.
+        Numbers of the sides: 0 to 3 at min x, max x, min y and max y.
         The wall of a `Circle` is given by 0, or by all four. If omitted, all sides, or none if `walls`
         is given.
     seed : int, default 0
@@ -4919,7 +4909,7 @@ class ThermalWalls:
     Notes
     -----
     Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall,
-    are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
+    are not heated: use coefficients of restitution of 1. `World.last_step` includes the change
     along the normal.
 
     References

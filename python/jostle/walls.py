@@ -17,7 +17,7 @@ class Side(enum.IntEnum):
 
     See Also
     --------
-    jostle.World.wall_contacts : The walls and sides that particles touched.
+    WallContacts : The walls and sides that particles touched.
     jostle.Box, jostle.Circle : The containers.
 
     Examples
@@ -25,7 +25,7 @@ class Side(enum.IntEnum):
     >>> box = jostle.Box(0, 0, 9, 9)
     >>> world = jostle.World([(5, 2)], 1.0, velocities=[(0, -4)], container=box)
     >>> world.step(0.5)
-    >>> world.wall_contacts.walls == jostle.Side.MIN_Y
+    >>> world.last_step.wall_contacts.walls == jostle.Side.MIN_Y
     array([ True])
     """
 

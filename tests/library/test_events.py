@@ -1,4 +1,4 @@
-"""`World.events`, `World.collisions` and sensors, as Python sees them."""
+"""`World.events`, collisions and sensors, as Python sees them."""
 
 import numpy as np
 import pytest
@@ -17,6 +17,11 @@ def as_set(pairs: np.ndarray) -> Pairs:
     rows: list[tuple[int, int]] = [tuple(pair) for pair in pairs.tolist()]
     assert rows == sorted(set(rows))
     return set(rows)
+
+
+def numbers(world: jostle.World) -> tuple[int, int]:
+    """The collisions of pairs and at walls."""
+    return world.last_call.collisions, world.last_call.wall_collisions
 
 
 def test_events_need_to_be_asked_for() -> None:
@@ -67,13 +72,13 @@ def test_a_sensor_reports_and_pushes_nothing() -> None:
         world.step(STEP)
         entered, _, left = (pairs[pairs[:, 1] == 3] for pairs in fields(world.events))
         seen += ["entered"] * len(entered) + ["left"] * len(left)
-        contacts = world.contacts
+        contacts = world.last_step.contacts
         if len(contacts.pairs):
             assert (contacts.normal_impulses == 0).all()
     assert seen == ["entered", "left"]
     assert world.velocities[0].tolist() == [3, 0]
     assert world.positions[0] == pytest.approx([10, 0], abs=1e-4)
-    assert world.collisions.pairs == 0
+    assert world.last_call.collisions == 0
 
 
 def test_a_sensor_reports_a_disc_that_passes_in_one_step() -> None:
@@ -82,7 +87,7 @@ def test_a_sensor_reports_a_disc_that_passes_in_one_step() -> None:
         world.set(0, velocities=(speed, 0))
         world.step(STEP)
         assert as_set(world.events.entered) == as_set(world.events.exited) == {(0, 3)}
-        assert as_set(world.contacts.pairs) == {(0, 3)}
+        assert as_set(world.last_step.contacts.pairs) == {(0, 3)}
 
 
 def test_a_disc_that_is_stopped_in_front_of_a_sensor_does_not_touch_it() -> None:
@@ -130,12 +135,12 @@ def test_a_sensor_reports_discs_that_are_not_movable() -> None:
 def test_collisions_count_the_last_call() -> None:
     box = jostle.Box(-4, -1, 4, 1)
     world = jostle.World([(-3, 0), (0, 0)], 1.0, velocities=[(1, 0), (0, 0)], container=box)
-    assert world.collisions == jostle.WorldCollisions(0, 0)
+    assert numbers(world) == (0, 0)
     world.step(0.5, steps=20)
-    assert world.collisions == jostle.WorldCollisions(pairs=3, walls=2)
-    assert jostle.World.restore(world.snapshot()).collisions == world.collisions
+    assert numbers(world) == (3, 2)
+    assert jostle.World.restore(world.snapshot()).last_call == world.last_call
     world.step(0.5, steps=0)
-    assert world.collisions == jostle.WorldCollisions(0, 0)
+    assert numbers(world) == (0, 0)
 
 
 def test_a_refused_call_leaves_the_record_of_the_call_before() -> None:
@@ -143,9 +148,9 @@ def test_a_refused_call_leaves_the_record_of_the_call_before() -> None:
         [(0, 0), (3, 0)], 1.0, velocities=[(3, 0), (0, 0)], gravity=(0, 1), track_events=True
     )
     world.step(1.0)
-    assert world.collisions.pairs == 1
+    assert world.last_call.collisions == 1
     before, events = world.snapshot(), world.events.entered.tolist()
     with pytest.raises(ValueError, match="dt is"):
         world.step(1e10)
     assert world.snapshot() == before
-    assert world.collisions.pairs == 1 and world.events.entered.tolist() == events
+    assert world.last_call.collisions == 1 and world.events.entered.tolist() == events

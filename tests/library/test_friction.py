@@ -137,13 +137,13 @@ def test_impulses_of_a_bounce() -> None:
         [(0, 0), (3, 0)], 1, velocities=[(4, 0), (0, 0)], masses=[1, 3], restitution=0.5
     )
     world.step(1)
-    contacts = world.contacts
+    contacts = world.last_step.contacts
     assert isinstance(contacts, jostle.WorldContacts)
     assert contacts.pairs.tolist() == [[0, 1]]
     np.testing.assert_allclose(contacts.normal_impulses, 1.5 * 4 / (1 / 1 + 1 / 3), rtol=1e-6)
     assert contacts.friction_impulses.tolist() == [0]
     world.step(1)
-    assert len(world.contacts.pairs) == 0
+    assert len(world.last_step.contacts.pairs) == 0
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5])
@@ -157,7 +157,7 @@ def test_the_walls_carry_the_weight(friction: float) -> None:
     for _ in range(20):
         momentum = world.momentum()[1]
         world.step(1 / 60)
-        contacts = world.wall_contacts
+        contacts = world.last_step.wall_contacts
         assert isinstance(contacts, jostle.WallContacts)
         assert (contacts.normal_impulses > 0).all()
         # With friction the side walls carry a part (Janssen, 1895).
@@ -197,8 +197,8 @@ def test_the_force_of_an_incline(degrees: float) -> None:
     angle = math.radians(degrees)
     world = on_an_incline(angle, 0.2)
     world.step(1 / 60, steps=60)
-    normal = world.wall_contacts.normal_impulses * 60
-    friction = world.wall_contacts.friction_impulses * 60
+    normal = world.last_step.wall_contacts.normal_impulses * 60
+    friction = world.last_step.wall_contacts.friction_impulses * 60
     pull, pressure = G * math.sin(angle), G * math.cos(angle)
     assert normal == pytest.approx(pressure, rel=1e-4)
     # The normal is +y, so the tangent is -x.
@@ -210,7 +210,7 @@ def test_a_round_wall() -> None:
         [(0, -4)], 1, gravity=(0, -G), restitution=0, container=jostle.Circle((0, 0), 5)
     )
     world.step(1 / 60)
-    contacts = world.wall_contacts
+    contacts = world.last_step.wall_contacts
     assert (contacts.ids.tolist(), contacts.walls.tolist()) == ([0], [jostle.Side.RIM])
     assert contacts.normals.tolist() == [[0, 1]]
     assert contacts.normal_impulses * 60 == pytest.approx(G, rel=1e-4)
@@ -241,5 +241,7 @@ def test_a_coefficient_as_large_as_it_may_be_prevents_sliding_and_nothing_else(
     world, rough = heap(friction), heap(1e15)
     assert (world.positions == rough.positions).all()
     assert (world.angular_velocities == rough.angular_velocities).all()
-    assert (world.contacts.friction_impulses == rough.contacts.friction_impulses).all()
-    assert np.isfinite(world.wall_contacts.friction_impulses).all()
+    assert (
+        world.last_step.contacts.friction_impulses == rough.last_step.contacts.friction_impulses
+    ).all()
+    assert np.isfinite(world.last_step.wall_contacts.friction_impulses).all()

@@ -148,12 +148,14 @@ class History:
         world = self.world
         row = {int(id): row for row, id in enumerate(world.ids)}
         positions, radii = world.positions, world.radii
-        contacts = world.contacts
+        contacts = world.last_step.contacts
         for (i, j), depth in zip(contacts.pairs, contacts.depths, strict=True):
             a, b = row[int(i)], row[int(j)]
             distance = np.hypot(*(positions[a] - positions[b]))
             assert abs(radii[a] + radii[b] - distance - depth) < 0.5
-        for id, depth in zip(world.wall_contacts.ids, world.wall_contacts.depths, strict=True):
+        for id, depth in zip(
+            world.last_step.wall_contacts.ids, world.last_step.wall_contacts.depths, strict=True
+        ):
             x, y = positions[row[int(id)]]
             gap = min(x, y, SIDE - x, SIDE - y) - radii[row[int(id)]]
             assert abs(gap + depth) < 0.5
@@ -214,9 +216,11 @@ def test_removed_particles_leave_no_trace(seed: int, on_touch: str, acts: list[s
         assert world.state_hash() == fresh.state_hash()
         assert (world.positions == fresh.positions).all()
         assert (world.ids == ids[fresh.ids]).all()
-        assert (world.contacts.pairs == ids[fresh.contacts.pairs]).all()
-        assert (world.contacts.normal_impulses == fresh.contacts.normal_impulses).all()
-        assert (world.wall_contacts.ids == ids[fresh.wall_contacts.ids]).all()
+        assert (world.last_step.contacts.pairs == ids[fresh.last_step.contacts.pairs]).all()
+        assert (
+            world.last_step.contacts.normal_impulses == fresh.last_step.contacts.normal_impulses
+        ).all()
+        assert (world.last_step.wall_contacts.ids == ids[fresh.last_step.wall_contacts.ids]).all()
 
 
 def test_rows_may_be_asked_for_twice() -> None:

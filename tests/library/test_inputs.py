@@ -286,7 +286,7 @@ def test_every_id_is_an_int64() -> None:
         "World.ids": world.ids,
         "World.rows": world.rows([0]),
         "World.renumbered": world.renumbered,
-        "World.contacts": other.contacts.pairs,
+        "WorldContacts.pairs": other.last_step.contacts.pairs,
         "Springs.pairs": jostle.Springs([(0, 1)], lengths=1.0, stiffness=1.0).pairs,
     }
     assert {name: ids.dtype.name for name, ids in answers.items()} == dict.fromkeys(

@@ -28,7 +28,7 @@ def merged_at_a_wall(order: list[int]) -> jostle.World:
 def test_impulses_of_walls_on_merged_particles_are_added_up() -> None:
     """Both discs hit the wall before they merge: (1 + e) m v of each."""
     for order in ([0, 1], [1, 0]):
-        impulses = merged_at_a_wall(order).wall_contacts.normal_impulses
+        impulses = merged_at_a_wall(order).last_step.wall_contacts.normal_impulses
         assert impulses == pytest.approx([1.5 * (1 * 3 + 5 * 6)])
 
 
@@ -54,7 +54,7 @@ def test_the_order_of_adding_does_not_show_where_some_have_no_room(seed: int) ->
         unresolved = []
         for _ in range(3):
             world.step(0.5)
-            unresolved.append(world.stats.unresolved)
+            unresolved.append(world.last_step.unresolved)
         return unresolved, world.positions[np.lexsort(world.positions.T)]
 
     (counts, places), (other_counts, other_places) = (

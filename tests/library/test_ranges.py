@@ -178,7 +178,7 @@ def test_a_world_has_the_same_limits() -> None:
         with pytest.raises(ValueError, match=r"^radii is .*; a radius must be 0, or between 1e-18"):
             jostle.World([(0, 0)], radius)
     world = jostle.World([(0, 0), (1e-18, 0)], 1e-18, masses=1, on_touch="ignore")
-    assert world.contacts.pairs.tolist() == [[0, 1]]
+    assert world.last_step.contacts.pairs.tolist() == [[0, 1]]
 
 
 @pytest.mark.parametrize("dtype", DTYPES)

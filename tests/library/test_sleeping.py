@@ -35,11 +35,19 @@ def asleep(*centers: float) -> jostle.World:
 
 def test_a_sleeping_world_does_not_search() -> None:
     world = asleep(0)
-    before = world.state_hash(), world.contacts.pairs.tolist(), world.wall_contacts.ids.tolist()
+    before = (
+        world.state_hash(),
+        world.last_step.contacts.pairs.tolist(),
+        world.last_step.wall_contacts.ids.tolist(),
+    )
     energy = world.potential_energy()
     assert before[1] and before[2]
     world.step(STEP, steps=1000)
-    after = world.state_hash(), world.contacts.pairs.tolist(), world.wall_contacts.ids.tolist()
+    after = (
+        world.state_hash(),
+        world.last_step.contacts.pairs.tolist(),
+        world.last_step.wall_contacts.ids.tolist(),
+    )
     assert after == before
     assert world.kinetic_energy() == 0 and not world.momentum().any()
     assert world.potential_energy() == energy

@@ -50,7 +50,7 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
             assert kstest(velocities[:, axis], "norm").pvalue > 1e-4
     # The standard deviation of the energy of one sample is kT/√N.
     assert np.mean(energies) == pytest.approx(KT, abs=4 * KT / math.sqrt(N))
-    assert world.stats.unresolved == 0
+    assert world.last_step.unresolved == 0
 
 
 @pytest.mark.usefixtures("usual_threads")

@@ -83,8 +83,8 @@ def test_each_side_of_a_container_has_a_number_and_a_restitution() -> None:
         container=jostle.Box(0, 0, 10, 10, restitution=[0.25, 0.0625, 0.5625, 0]),
     )
     world.step(1.0)
-    assert world.wall_contacts.walls.tolist() == [-2, -3, -4, -5]
-    np.testing.assert_allclose(world.wall_contacts.normal_impulses, [7.5, 6.25, 8.75, 5])
+    assert world.last_step.wall_contacts.walls.tolist() == [-2, -3, -4, -5]
+    np.testing.assert_allclose(world.last_step.wall_contacts.normal_impulses, [7.5, 6.25, 8.75, 5])
     np.testing.assert_allclose(world.velocities, [(2.5, 0), (-1.25, 0), (0, 3.75), (0, 0)])
 
 

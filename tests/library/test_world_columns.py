@@ -92,8 +92,14 @@ def test_an_empty_world(nothing: Any) -> None:
     assert {name: column.shape for name, column in columns(world).items()} == {
         name: (0, 2) if name in ("positions", "velocities") else (0,) for name in COLUMNS
     }
-    assert [part.shape for part in fields(world.contacts)] == [(0, 2), (0, 2), (0,), (0,), (0,)]
-    at_walls = [part.shape for part in fields(world.wall_contacts)]
+    assert [part.shape for part in fields(world.last_step.contacts)] == [
+        (0, 2),
+        (0, 2),
+        (0,),
+        (0,),
+        (0,),
+    ]
+    at_walls = [part.shape for part in fields(world.last_step.wall_contacts)]
     assert at_walls == [(0,), (0,), (0, 2), (0,), (0,), (0,)]
     assert [*world.momentum(), world.kinetic_energy(), world.potential_energy()] == [0] * 4
     assert world.add([(1, 1)], 1).tolist() == [0]
@@ -256,6 +262,6 @@ def test_contacts_after_adding() -> None:
     world = jostle.World([(50, 0), (51.5, 0)], 1.0)
     world.step(0.01)
     world.add([(-9, 0), (99, 0)], 1.0)
-    assert world.contacts.pairs.tolist() == [[0, 1]]
+    assert world.last_step.contacts.pairs.tolist() == [[0, 1]]
     world.step(0.01)
-    assert world.contacts.pairs.tolist() == [[0, 1]]
+    assert world.last_step.contacts.pairs.tolist() == [[0, 1]]

@@ -66,8 +66,8 @@ def test_refined() -> None:
     counts = []
     for step in range(7):
         step_alike("refined", ours, world, 0.2)
-        assert ours.stats.substeps == world.stats.substeps, step
-        counts.append(world.stats.substeps)
+        assert ours.last_step.substeps == world.last_step.substeps, step
+        counts.append(world.last_step.substeps)
     # With masses of 1 each step has 4.
     assert min(counts) == 4 and max(counts) >= 12, counts
 
@@ -238,7 +238,7 @@ def test_energy() -> None:
             # It does not change the world.
             assert ours.state_hash() == world.state_hash()
             ghosts = ours.ghosts
-            assert len(ours.contacts.pairs) == 0 or comm().size == 1 or ghosts > 0
+            assert len(ours.last_step.contacts.pairs) == 0 or comm().size == 1 or ghosts > 0
     table = np.ones((1, 1, 20))
     movable = np.arange(300) % 5 > 0
     kinds = np.zeros(300, int)

@@ -121,7 +121,10 @@ def compare(seed: int, steps: int = 3) -> None:
         else:
             ours.step(H)
             check_touches(f"seed {seed}", ours, expected_now(world, []))
-            assert ours.stats.substeps == world.stats.substeps or not len(world), (seed, step)
+            assert ours.last_step.substeps == world.last_step.substeps or not len(world), (
+                seed,
+                step,
+            )
         assert ours.state_hash() == world.state_hash(), (seed, step)
 
 
@@ -158,18 +161,18 @@ def test_substeps_are_decided_by_all_ranks() -> None:
                 own[name] = column[mine]
             ours = jostle.mpi.World(comm(), **own, **gravity)
             step_alike(name, ours, world, H, 5)
-            assert ours.stats.substeps == world.stats.substeps == 4
+            assert ours.last_step.substeps == world.last_step.substeps == 4
             ids = ours.ids
             for one, rows in ((world, np.arange(n)), (ours, ids)):
                 one.set(rows, **{name: DEFAULTS[name]})
             step_alike(name, ours, world, H, 1)
-            assert ours.stats.substeps == world.stats.substeps == 1
+            assert ours.last_step.substeps == world.last_step.substeps == 1
             ours.substeps = world.substeps = 3
             step_alike(name, ours, world, H, 1)
-            assert ours.stats.substeps == world.stats.substeps == 3
+            assert ours.last_step.substeps == world.last_step.substeps == 3
             ours.substeps = world.substeps = None
             step_alike(name, ours, world, H, 1)
-            assert ours.stats.substeps == world.stats.substeps == 1
+            assert ours.last_step.substeps == world.last_step.substeps == 1
     if comm().size > 1:
         given = {} if comm().rank else {"substeps": 4}
         refuse(lambda: jostle.mpi.World(comm(), **own, **gravity, **given), "substeps is not the")

@@ -23,7 +23,7 @@ class Expected(NamedTuple):
 
     hashes: list[int]  # before the first step, and after every `CHECK_EVERY`
     contacts: dict[str, np.ndarray]
-    collisions: Any
+    call: jostle.LastCall
     kinetic_energy: float
 
 
@@ -50,8 +50,10 @@ def expected_of(name: str, world: jostle.World, dt: float, steps: int) -> Expect
 
 def expected_now(world: jostle.World, hashes: list[int]) -> Expected:
     """What distributed worlds must have at this time."""
-    contacts = {kind: table_of(list(getattr(world, kind).to_dict().values())) for kind in CONTACTS}
-    return Expected(hashes, contacts, world.collisions, world.kinetic_energy())
+    contacts = {
+        kind: table_of(list(getattr(world.last_step, kind).to_dict().values())) for kind in CONTACTS
+    }
+    return Expected(hashes, contacts, world.last_call, world.kinetic_energy())
 
 
 def counts(steps: int) -> list[int]:
@@ -113,14 +115,21 @@ def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None
     """The contacts of all ranks together are those of one process. Sums of the impulses of several
     bounces of a pair in a step may be rounded differently."""
     for kind in CONTACTS:
-        of_ranks = zip(*comm().allgather(list(getattr(ours, kind).to_dict().values())), strict=True)
+        of_ranks = zip(
+            *comm().allgather(list(getattr(ours.last_step, kind).to_dict().values())), strict=True
+        )
         found = table_of([np.concatenate(column) for column in of_ranks])
         one = expected.contacts[kind]
         assert found.shape == one.shape, f"{name}: {kind}"
         assert np.array_equal(found[:, :-2], one[:, :-2]), f"{name}: {kind}"
         scale = np.abs(one[:, -2:]).max(initial=1.0)
         assert np.allclose(found[:, -2:], one[:, -2:], rtol=1e-6, atol=1e-6 * scale), name
-    assert ours.collisions == expected.collisions, name
+    call = ours.last_call.to_dict()
+    for field, one in expected.call.to_dict().items():
+        scale = np.abs(one).max(initial=1.0)
+        assert np.allclose(call[field], one, rtol=1e-9, atol=1e-6 * scale), f"{name}: {field}"
+    assert call["collisions"] == expected.call.collisions, name
+    assert call["wall_collisions"] == expected.call.wall_collisions, name
 
 
 def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:

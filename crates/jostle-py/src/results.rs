@@ -7,7 +7,7 @@ use jostle_index::query::{Hits, Neighbors, RayHits};
 use jostle_index::{Scalar, Shape};
 use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
-use jostle_world::{Collisions, Particles, Spin, Touch, TouchEvents, WallTouch};
+use jostle_world::{Particles, Spin, Totals, Touch, TouchEvents, WallTouch};
 use numpy::{Element, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -173,11 +173,34 @@ pub fn world_events(py: Python<'_>, all: TouchEvents) -> PyResult<Bound<'_, PyAn
     EVENTS.import(py, "jostle.results", "WorldEvents")?.call1(fields)
 }
 
-/// `jostle.WorldCollisions`.
-pub fn world_collisions(py: Python<'_>, all: Collisions) -> PyResult<Bound<'_, PyAny>> {
-    static COLLISIONS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let class = COLLISIONS.import(py, "jostle.results", "WorldCollisions")?;
-    class.call1((all.pairs, all.walls))
+/// `jostle.LastStep`.
+pub fn last_step(
+    py: Python<'_>,
+    pairs: Vec<Touch>,
+    walls: Vec<WallTouch>,
+    all: jostle_world::Stats,
+) -> PyResult<Bound<'_, PyAny>> {
+    static STEP: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let touched = (world_contacts(py, pairs)?, wall_contacts(py, walls)?);
+    let fields = (touched.0, touched.1, all.substeps, all.unresolved, all.collapsed);
+    STEP.import(py, "jostle.results", "LastStep")?.call1(fields)
+}
+
+/// `jostle.LastCall` of a world with so many walls.
+pub fn last_call(py: Python<'_>, all: Totals, walls: usize) -> PyResult<Bound<'_, PyAny>> {
+    static CALL: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let Totals { duration, steps, collisions, virial, sides, walls: mut of_walls } = all;
+    memory::resize(&mut of_walls, walls, [0.0; 2]).map_err(refused)?;
+    let fields = (
+        duration,
+        steps,
+        collisions.pairs,
+        collisions.walls,
+        table(py, virial.to_vec())?,
+        table(py, of_walls)?,
+        table(py, sides.to_vec())?,
+    );
+    CALL.import(py, "jostle.results", "LastCall")?.call1(fields)
 }
 
 /// `jostle.Nodes`.
@@ -203,14 +226,6 @@ pub fn stats(py: Python<'_>, all: jostle_world::Stats) -> PyResult<Bound<'_, PyA
     static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (all.nodes, all.leaves, all.depth, all.tests);
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
-}
-
-/// `jostle.WorldStats`.
-pub fn world_stats(py: Python<'_>, all: jostle_world::Stats) -> PyResult<Bound<'_, PyAny>> {
-    static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let jostle_world::Stats { nodes, leaves, depth, tests, unresolved, substeps, collapsed } = all;
-    let fields = (nodes, leaves, depth, tests, unresolved, substeps, collapsed);
-    STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
 }
 
 /// Hits with 64-bit ids in place of others. It is called without the GIL.

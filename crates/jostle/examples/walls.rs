@@ -60,7 +60,7 @@ fn main() {
         let [alone, among] = both.each_mut().map(|world| {
             world.begin_record().unwrap();
             step(world, 1);
-            world.record().collisions()
+            world.record().totals().collisions
         });
         println!(
             "    collisions a step: {} of pairs, among walls {} of pairs and {} with walls",

@@ -229,7 +229,7 @@ fn history(mut world: World, calls: usize) -> Vec<(TouchEvents, Collisions)> {
     let mut all = Vec::new();
     for _ in 0..calls {
         call(&mut world, 3);
-        all.push((events(&world), world.record().collisions()));
+        all.push((events(&world), world.record().totals().collisions));
     }
     all
 }
@@ -287,7 +287,7 @@ fn many_threads_count_as_one() {
         let settings = tracked(WorldSettings { tree, container, ..WorldSettings::default() });
         let mut world = world_of(crowd(20_000, 260.0, 1), settings);
         call(&mut world, 3);
-        (world.record().collisions(), events(&world))
+        (world.record().totals().collisions, events(&world))
     };
     let expected = run(1);
     assert!(expected.0.pairs > 1000, "{:?}", expected.0);
@@ -359,7 +359,10 @@ fn discs_that_only_touch_enter_without_a_collision() {
     let discs = still(&[[0.0; 2], [2.0, 0.0]], 1.0);
     let mut world = world_of(discs, tracked(WorldSettings::default()));
     call(&mut world, 5);
-    assert_eq!((events(&world).entered, world.record().collisions().pairs), (vec![[0, 1]], 0));
+    assert_eq!(
+        (events(&world).entered, world.record().totals().collisions.pairs),
+        (vec![[0, 1]], 0)
+    );
     call(&mut world, 5);
     assert_eq!(events(&world).stayed, [[0, 1]]);
 }
@@ -377,7 +380,7 @@ fn an_undone_step_leaves_no_events_and_no_collisions() {
     world.begin_record().unwrap();
     assert!(world.step(1e3, 1).is_err());
     world.end_record().expect("few");
-    assert_eq!((events(&world), world.record().collisions()), Default::default());
+    assert_eq!((events(&world), world.record().totals().collisions), Default::default());
 }
 
 #[test]
@@ -387,7 +390,7 @@ fn a_snapshot_contains_the_record() {
         call(&mut world, 4);
         let mut copy = World::restore(&world.snapshot().unwrap()).expect("it was saved");
         assert_eq!(events(&copy), events(&world));
-        assert_eq!(copy.record().collisions(), world.record().collisions());
+        assert_eq!(copy.record().totals().collisions, world.record().totals().collisions);
         call(&mut world, 4);
         call(&mut copy, 4);
         assert_eq!(events(&copy), events(&world));
@@ -409,9 +412,9 @@ fn collisions_count_pairs_and_walls_of_all_substeps() {
         let mut world = world_of(discs, settings);
         world.begin_record().unwrap();
         world.step(5.0, 2).expect("a step succeeds");
-        assert_eq!(world.record().collisions(), Collisions { pairs: 3, walls: 2 });
+        assert_eq!(world.record().totals().collisions, Collisions { pairs: 3, walls: 2 });
         world.begin_record().unwrap();
-        assert_eq!(world.record().collisions(), Collisions::default());
+        assert_eq!(world.record().totals().collisions, Collisions::default());
     }
 }
 
@@ -483,7 +486,7 @@ fn discs_that_pass_through_each_other_in_a_step_touch() {
         assert!(missing.is_empty(), "{settings:?}: {missing:?} of {}", model.len());
         // The model misses what is short.
         assert!(found.len() <= model.len() + model.len() / 20 + 2 && model.len() > 15);
-        assert_eq!(world.record().collisions().pairs, 0);
+        assert_eq!(world.record().totals().collisions.pairs, 0);
     }
 }
 
@@ -506,7 +509,7 @@ fn sensors_change_no_motion() {
     for (a, b) in expected.positions.iter().zip(&found.positions) {
         assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-3), "{a:?} {b:?}");
     }
-    assert_eq!(alone.record().collisions().pairs, both.record().collisions().pairs);
+    assert_eq!(alone.record().totals().collisions.pairs, both.record().totals().collisions.pairs);
     let with_sensor = |pair: &[Id; 2]| pair[1] >= 40;
     let entered = events(&both).entered;
     assert!(entered.iter().filter(|pair| with_sensor(pair)).count() > 30);

@@ -515,7 +515,7 @@ fn after_impact(own: [f32; 2], other: Other, of: [Option<f32>; 2], gap: f32) -> 
     let mut world = walled(all, walls, settings);
     world.begin_record().unwrap();
     run(&mut world, 4);
-    let Collisions { pairs, walls } = world.record().collisions();
+    let Collisions { pairs, walls } = world.record().totals().collisions;
     (world.bodies().velocities().unwrap()[0], pairs + walls)
 }
 

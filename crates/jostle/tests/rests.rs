@@ -16,7 +16,7 @@ fn sliding(speed: f32) -> World {
 fn impacts(world: &mut World) -> u64 {
     world.begin_record().unwrap();
     run(world, 1);
-    world.record().collisions().walls
+    world.record().totals().collisions.walls
 }
 
 #[test]

@@ -23,8 +23,8 @@ fn assert_same(a: &World, b: &World, of: &str) {
     assert_eq!(a.time(), b.time(), "{of}");
     assert_eq!(a.momentum(), b.momentum(), "{of}: the order within");
     assert_eq!(
-        (a.events(), a.record().collisions()),
-        (b.events(), b.record().collisions()),
+        (a.events(), a.record().totals().collisions),
+        (b.events(), b.record().totals().collisions),
         "{of}"
     );
     assert_eq!(a.snapshot().unwrap(), b.snapshot().unwrap(), "{of}");

@@ -235,18 +235,18 @@ def _energies(world: jostle.World) -> Energies:
 
 def _sensors(world: jostle.World, columns: ParticleTable) -> NDArray[np.int8]:
     touched = np.zeros(len(columns.tags), np.bool_)
-    touched[columns.rows(world.contacts.pairs)] = True
+    touched[columns.rows(world.last_step.contacts.pairs)] = True
     return columns.sensors.astype(np.int8) * (1 + touched)
 
 
 def _stats(world: jostle.World) -> StepStats:
-    stats = world.stats
+    stats, step = world.stats, world.last_step
     return StepStats(
         time=world.time,
         pairs_tested=stats.tests,
-        touching=len(world.contacts.pairs),
+        touching=len(step.contacts.pairs),
         asleep=int(np.count_nonzero(world.asleep)),
-        substeps=stats.substeps,
+        substeps=step.substeps,
         nodes=stats.nodes,
         depth=stats.depth,
         kinetic_energy=world.kinetic_energy(),
@@ -255,7 +255,8 @@ def _stats(world: jostle.World) -> StepStats:
 
 
 def _contacts(world: jostle.World, columns: ParticleTable) -> FrameContacts:
-    contacts, walls = world.contacts, world.wall_contacts
+    step = world.last_step
+    contacts, walls = step.contacts, step.wall_contacts
     return FrameContacts(
         pairs=columns.rows(contacts.pairs),
         normals=contacts.normals,

@@ -148,7 +148,7 @@ class Simulation:
         rules: dict[str, Any] = {name: getattr(world, name) for name in WORLD_SETTINGS}
         rules |= self._surface
         rules["gravity"] = tuple(world.gravity.tolist())
-        rules["substeps"] = world.substeps or world.stats.substeps or None
+        rules["substeps"] = world.substeps or world.last_step.substeps or None
         rules["wall_friction"] = rules["friction"] if of_walls is None else of_walls
         return replace(self.settings, **rules)
 

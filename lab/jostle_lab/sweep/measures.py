@@ -85,7 +85,7 @@ class _Pressure:
 
     def see(self, world: jostle.World, step: int, dt: float) -> None:
         self._length = _perimeter(world.container)
-        touched = world.wall_contacts
+        touched = world.last_step.wall_contacts
         self._impulses += float(touched.normal_impulses[touched.walls < 0].sum(dtype=np.float64))
         self._seconds += dt
 
@@ -109,7 +109,7 @@ class _Collisions:
         self._count, self._seconds = 0.0, 0.0
 
     def see(self, world: jostle.World, step: int, dt: float) -> None:
-        self._count += 2 * world.collisions.pairs / max(len(world), 1)
+        self._count += 2 * world.last_call.collisions / max(len(world), 1)
         self._seconds += dt
 
     def value(self) -> float:

@@ -49,7 +49,7 @@ class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `potential_energy`, `momentum`, `events`, `renumbered` and `collisions`. The particles of all
+    `potential_energy`, `momentum`, `events`, `renumbered` and `last_call`. The particles of all
     ranks have the same states, in bits, as those of one `jostle.World` with all of them, whatever
     the number of ranks and the distribution.
 
@@ -91,7 +91,7 @@ class World:
     some ranks need more time than others, or have many copies, the ranges are chosen again, and
     particles move to other ranks; sleeping ones stay where they are until they wake.
 
-    Settings such as `gravity` and `walls` can be assigned, a collective call. `contacts` are empty
+    Settings such as `gravity` and `walls` can be assigned, a collective call. Contacts are empty
     after that, and after `add`, `remove` and `force`, until the next step.
 
     Examples
@@ -492,9 +492,9 @@ class World:
         self._core.threads = value
 
     @property
-    def stats(self) -> jostle.WorldStats:
+    def stats(self) -> jostle.Stats:
         """Size of the tree of this rank's particles and ghosts, and tests in the last step."""
-        stats: jostle.WorldStats = self._core.stats
+        stats: jostle.Stats = self._core.stats
         return stats
 
     @property
@@ -554,13 +554,37 @@ class World:
         return state.momentum(self._comm, self._core)
 
     @property
-    def contacts(self) -> jostle.WorldContacts:
-        """The pairs that touched during the last step, each on one rank.
+    def last_step(self) -> jostle.LastStep:
+        """What the last step found on this rank, see `jostle.World.last_step`.
 
-        Not collective. The pairs are of ids, sorted; see `jostle.World.contacts`.
+        Not collective. Each pair that touched is on one rank, and particles at walls are those of
+        this rank.
         """
+        found = self._core.last_step
+        fields = found.to_dict()
+        fields["contacts"] = self._contacts(found.contacts)
+        fields["wall_contacts"] = self._wall_contacts(found.wall_contacts)
+        return jostle.LastStep(**fields)
+
+    @property
+    @collective
+    def last_call(self) -> jostle.LastCall:
+        """Sums over the last call of `step` and the particles of all ranks.
+
+        See `jostle.World.last_call`. Impulses and the virial may differ in the last digits from
+        those of one process, because each rank rounds its part.
+        """
+        found = self._core.last_call
+        fields = found.to_dict()
+        for name in ("collision_virial", "wall_impulses", "side_impulses"):
+            fields[name] = from_all(self._comm, fields[name]).sum(axis=0)
+        counts = np.array([found.collisions, found.wall_collisions], np.int64)
+        pairs, walls = map(int, totals(self._comm, counts))
+        return jostle.LastCall(**fields | {"collisions": pairs, "wall_collisions": walls})
+
+    def _contacts(self, found: jostle.WorldContacts) -> jostle.WorldContacts:
+        """Return those that belong to this rank, with ids among all particles."""
         count, ids, _ = self._own()
-        found = self._core.contacts
         movable, pairs = self._core.movable[found.pairs], ids[found.pairs]
         is_reversed = pairs[:, 0] > pairs[:, 1]
         # A pair belongs to the rank of the movable particle, of two to that of the smaller id.
@@ -576,14 +600,9 @@ class World:
         order = np.lexsort(columns["pairs"].T[::-1])
         return jostle.WorldContacts(**{name: column[order] for name, column in columns.items()})
 
-    @property
-    def wall_contacts(self) -> jostle.WallContacts:
-        """The particles of this rank to which walls gave an impulse during the last step.
-
-        Not collective. See `jostle.World.wall_contacts`.
-        """
+    def _wall_contacts(self, found: jostle.WallContacts) -> jostle.WallContacts:
+        """Return those of particles of this rank, with ids among all particles."""
         count, ids, *_ = self._own()
-        found = self._core.wall_contacts
         own = np.flatnonzero(found.ids < count)
         own = own[np.lexsort((found.walls[own], ids[found.ids[own]]))]
         columns = {name: column[own] for name, column in found.to_dict().items()}
@@ -612,14 +631,6 @@ class World:
         """
         pairs = joined(self._comm, self._core._own_renumbering().reshape(-1)).reshape(-1, 2)
         return new_ids(self._comm, pairs, *self._core._own_ids()) if len(pairs) else None
-
-    @property
-    @collective
-    def collisions(self) -> jostle.WorldCollisions:
-        """The number of collisions in the last call of `step`, see `jostle.World.collisions`."""
-        own = self._core.collisions
-        counts = totals(self._comm, np.array([own.pairs, own.walls], np.int64))
-        return jostle.WorldCollisions(*map(int, counts))
 
     @collective
     def state_hash(self) -> int:

@@ -13,19 +13,21 @@ from jostle.results.queries import (
 from jostle.results.scenes import GaltonBoard, Nozzle
 from jostle.results.spaces import Separated, Shape, Shapes, Slide, Slides
 from jostle.results.worlds import (
+    LastCall,
+    LastStep,
     Particle,
     Particles,
     WallContacts,
-    WorldCollisions,
     WorldContacts,
     WorldEvents,
-    WorldStats,
 )
 
 __all__ = [
     "Contacts",
     "GaltonBoard",
     "IdLists",
+    "LastCall",
+    "LastStep",
     "Neighbors",
     "Nodes",
     "Nozzle",
@@ -41,8 +43,6 @@ __all__ = [
     "Slides",
     "Stats",
     "WallContacts",
-    "WorldCollisions",
     "WorldContacts",
     "WorldEvents",
-    "WorldStats",
 ]

@@ -334,7 +334,7 @@ class Stats(Result):
     See Also
     --------
     jostle.Quadtree.stats : Returns it.
-    WorldStats : The same for a step of a `World`.
+    jostle.World.stats : Returns it, too.
     """
 
     __slots__ = ("nodes", "leaves", "depth", "tests")

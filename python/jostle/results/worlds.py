@@ -28,18 +28,25 @@ class WorldContacts(Result):
 
     See Also
     --------
-    jostle.World.contacts : Returns it.
+    jostle.World.last_step : Has it.
     WallContacts : Contacts with walls.
 
     Examples
     --------
     >>> world = jostle.World([(0, 0), (3, 0)], 1.0, velocities=[(1, 0), (0, 0)])
     >>> world.step(2.0)  # the left disc stops and the right one takes its velocity
-    >>> world.contacts.pairs, world.contacts.normal_impulses
+    >>> contacts = world.last_step.contacts
+    >>> contacts.pairs, contacts.normal_impulses
     (array([[0, 1]]), array([1.], dtype=float32))
     """
 
-    __slots__ = ("pairs", "normals", "depths", "normal_impulses", "friction_impulses")
+    __slots__ = (
+        "pairs",
+        "normals",
+        "depths",
+        "normal_impulses",
+        "friction_impulses",
+    )
 
     pairs: NDArray[np.int64]
     normals: NDArray[np.float32]
@@ -73,7 +80,7 @@ class WallContacts(Result):
 
     See Also
     --------
-    jostle.World.wall_contacts : Returns it.
+    jostle.World.last_step : Has it.
     WorldContacts : Contacts of two particles.
     Side : The sides of a container.
 
@@ -84,13 +91,20 @@ class WallContacts(Result):
     >>> box = jostle.Box(-9, 0, 9, 9)
     >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
     >>> world.step(0.01)
-    >>> float((world.wall_contacts.normal_impulses / 0.01).round(3)[0])  # the mean force
+    >>> float((world.last_step.wall_contacts.normal_impulses / 0.01).round(3)[0])  # the mean force
     10.0
-    >>> jostle.Side(world.wall_contacts.walls[0])
+    >>> jostle.Side(world.last_step.wall_contacts.walls[0])
     <Side.MIN_Y: -4>
     """
 
-    __slots__ = ("ids", "walls", "normals", "depths", "normal_impulses", "friction_impulses")
+    __slots__ = (
+        "ids",
+        "walls",
+        "normals",
+        "depths",
+        "normal_impulses",
+        "friction_impulses",
+    )
 
     ids: NDArray[np.int64]
     walls: NDArray[np.int64]
@@ -127,63 +141,94 @@ class WorldEvents(Result):
     exited: NDArray[np.int64]
 
 
-class WorldCollisions(Result):
-    """Numbers of collisions in the last call of `World.step`.
+class LastStep(Result):
+    """What the last step of a `World` found.
 
     Attributes
     ----------
-    pairs : int
-        Collisions of two particles.
-    walls : int
-        Collisions of a particle with a wall or the container.
-
-    See Also
-    --------
-    jostle.World.collisions : Returns it.
-    """
-
-    __slots__ = ("pairs", "walls")
-
-    pairs: int
-    walls: int
-
-
-class WorldStats(Result):
-    """Size of the quadtree of the last step of a `World`, and what the step did.
-
-    Attributes
-    ----------
-    nodes : int
-        Boxes.
-    leaves : int
-        Boxes that did not split.
-    depth : int
-        Subdivisions above the deepest box.
-    tests : int
-        Pairs of particles that were tested.
+    contacts : WorldContacts
+        The pairs of particles that touched.
+    wall_contacts : WallContacts
+        The particles to which walls or the container gave an impulse.
+    substeps : int
+        Sub-steps of the step; 0 before the first step and where all particles sleep.
     unresolved : int
         Particles with so many collisions in a part of the step that their contacts were solved
         together, without restitution, until its end.
-    substeps : int
-        Sub-steps of the step; 0 before the first step and where all particles sleep.
     collapsed : int
         Times that the collisions of a particle became elastic for the rest of a part of the step,
         because it had 64 collisions in it (inelastic collapse).
 
     See Also
     --------
-    jostle.World.stats : Returns it.
+    jostle.World.last_step : Returns it.
+    LastCall : Sums over many steps.
     """
 
-    __slots__ = ("nodes", "leaves", "depth", "tests", "unresolved", "substeps", "collapsed")
+    __slots__ = ("contacts", "wall_contacts", "substeps", "unresolved", "collapsed")
 
-    nodes: int
-    leaves: int
-    depth: int
-    tests: int
-    unresolved: int
+    contacts: WorldContacts
+    wall_contacts: WallContacts
     substeps: int
+    unresolved: int
     collapsed: int
+
+
+class LastCall(Result):
+    """Sums over all steps of the last call of `World.step`.
+
+    Impulses are those on particles. Particles that sleep add nothing.
+
+    Attributes
+    ----------
+    duration : float
+        Simulated time of the call, in seconds.
+    steps : int
+        Number of steps.
+    collisions : int
+        Impacts of two particles. Several impacts of one pair count each; resting contacts do not.
+    wall_collisions : int
+        Impacts of a particle and a wall or the container.
+    collision_virial : ndarray of float64, shape (2, 2)
+        Sum of the outer products r J over the contacts of two particles, in units of mass times
+        length squared per second: r leads from one centre to the other at the impact, and J is the
+        impulse on the other, friction and resting contacts included. Half its trace, divided by
+        area and duration, is the part of the pressure that collisions cause.
+    wall_impulses : ndarray of float64, shape (m, 2)
+        Sum of the impulses of each wall, in the rows of `World.walls`.
+    side_impulses : ndarray of float64, shape (5, 2)
+        Of the sides of the container in the order of `Side`, min_x, max_x, min_y, max_y and rim:
+        the sum of the impulses along the normal into the container, at least 0, and that of
+        friction along the tangent (-normal_y, normal_x). Sides that it does not have are 0.
+
+    See Also
+    --------
+    jostle.World.last_call : Returns it.
+    LastStep : The contacts of the last step.
+
+    References
+    ----------
+    J. J. Erpenbeck, W. W. Wood, *Molecular dynamics techniques for hard-core systems*, in: Modern
+    Theoretical Chemistry 6 (1977), for the virial of collisions.
+    """
+
+    __slots__ = (
+        "duration",
+        "steps",
+        "collisions",
+        "wall_collisions",
+        "collision_virial",
+        "wall_impulses",
+        "side_impulses",
+    )
+
+    duration: float
+    steps: int
+    collisions: int
+    wall_collisions: int
+    collision_virial: NDArray[np.float64]
+    wall_impulses: NDArray[np.float64]
+    side_impulses: NDArray[np.float64]
 
 
 class Particles(Result):

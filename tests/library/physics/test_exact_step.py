@@ -649,7 +649,7 @@ def test_substeps_are_those_that_forces_need() -> None:
         one = world(two, substeps=None, **settings)
         one.step(1e-3)
         assert one.substeps is None
-        return one.stats.substeps
+        return one.last_step.substeps
 
     assert taken() == taken(forces=[jostle.Thermostat(1.0, 1.0)]) == taken(restitution=0.5) == 1
     assert taken(gravity=(0, 1)) == 1  # nothing is pressed together
@@ -659,10 +659,10 @@ def test_substeps_are_those_that_forces_need() -> None:
         assert taken(forces=[force]) == 4
     given = world(two, substeps=2)
     given.step(1e-3)
-    assert given.substeps == given.stats.substeps == 2
+    assert given.substeps == given.last_step.substeps == 2
     given.substeps = None
     given.step(1e-3)
-    assert given.substeps is None and given.stats.substeps == 1
+    assert given.substeps is None and given.last_step.substeps == 1
 
 
 @pytest.mark.threads
@@ -695,7 +695,7 @@ def test_a_step_with_too_many_collisions_is_refused_soon() -> None:
     assert one.state_hash() == before
     one.velocities = [(1.7e6, 0), (0, 1)]
     one.step(1.0)
-    assert one.stats.unresolved == 0
+    assert one.last_step.unresolved == 0
     assert one.kinetic_energy() == pytest.approx(0.5 * (1.7e6**2 + 1), rel=1e-5)
 
 
@@ -704,8 +704,8 @@ def test_a_disc_that_stands_still_has_no_velocity_where_collisions_lose_energy()
     state = discs([(0, 1 + 1e-9)], [(0, 1e7)], [1])
     one = world(state, container=jostle.Box(-1, 0, 1, 2 + 1e-6), restitution=0.999999)
     one.step(1.0)
-    assert one.stats.unresolved == 1
-    assert one.stats.collapsed == 1
+    assert one.last_step.unresolved == 1
+    assert one.last_step.collapsed == 1
     np.testing.assert_allclose(one.velocities, [[0, 0]], atol=1e-9)  # it began with 1e7
 
 

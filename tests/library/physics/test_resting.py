@@ -44,7 +44,7 @@ def test_one_long_step_of_an_inelastic_gas(n: int, restitution: float, time: flo
     world.step(time)
     assert world.velocities == pytest.approx(expected.velocities, abs=0.01)
     assert world.positions == pytest.approx(expected.positions, abs=0.01)
-    assert world.stats.unresolved == 0
+    assert world.last_step.unresolved == 0
 
 
 @pytest.mark.parametrize("dt", [0.1, 1.0, 4.0])
@@ -142,8 +142,8 @@ def test_friction_brings_elastic_discs_to_rest() -> None:
     most = 0
     for _ in range(40):
         world.step(1 / 60, steps=30)
-        most = max(most, world.collisions.pairs)
-        assert world.stats.unresolved == 0
+        most = max(most, world.last_call.collisions)
+        assert world.last_step.unresolved == 0
     assert most < 100 * len(world)
     assert world.kinetic_energy() < 1e-4 * begun
 
@@ -213,10 +213,10 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     unresolved = 0
     for _ in range(240):
         world.step(1 / 60)
-        unresolved += world.stats.unresolved
+        unresolved += world.last_step.unresolved
     # Some discs of low restitution collide very often when they land.
     assert unresolved < 240 * len(world) / 200
-    assert world.stats.unresolved == 0
+    assert world.last_step.unresolved == 0
     # Some discs still bounce, so one step says little. A disc that hangs for a second would be
     # hundreds of radii behind its velocity.
     before, expected = world.positions, np.zeros_like(world.positions)
@@ -264,7 +264,7 @@ def a_pile(kind: str, friction: float, n: int, seed: int = 0) -> jostle.World:
 
 def deepest_overlap(world: jostle.World) -> float:
     """The largest depth of a contact over the smaller radius."""
-    contacts = world.contacts
+    contacts = world.last_step.contacts
     smaller = world.radii[contacts.pairs].min(axis=1)
     return float((contacts.depths / smaller).max())
 
@@ -320,9 +320,9 @@ def stack(lower: float, upper: float, **settings: object) -> jostle.World:
 def test_heavy_discs_that_press_light_ones_take_more_substeps(
     world: jostle.World, expected: int
 ) -> None:
-    assert world.stats.substeps == 0
+    assert world.last_step.substeps == 0
     world.step(1 / 60)
-    assert world.stats.substeps == expected
+    assert world.last_step.substeps == expected
 
 
 @pytest.mark.parametrize("pull", [(0.0, 0.0), (3.0, -2.0)])
@@ -334,7 +334,7 @@ def test_the_number_of_substeps_may_be_chosen_or_found(pull: tuple[float, float]
         world.accelerations = np.full((2, 2), pull)
         for _ in range(5):
             world.step(1 / 60)
-            assert world.stats.substeps == 20
+            assert world.last_step.substeps == 20
     assert worlds[0].positions.tolist() == worlds[1].positions.tolist()
     assert worlds[0].velocities.tolist() == worlds[1].velocities.tolist()
 
@@ -359,7 +359,7 @@ def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
         )
         for _ in range(30):
             world.step(1 / 60)
-            most = max(most, world.stats.substeps)
+            most = max(most, world.last_step.substeps)
         states = np.column_stack([world.positions, world.velocities])[np.argsort(order)]
         results.add(states.tobytes())
     assert most == 20
@@ -414,7 +414,7 @@ def measure_shaft() -> None:
         counts = []
         for _ in range(360):
             world.step(1 / 60)
-            counts.append(world.stats.unresolved)
+            counts.append(world.last_step.unresolved)
         print(
             f"1,000 discs in a shaft, e = {restitution}, substeps={substeps}: exhausted discs in "
             f"{np.count_nonzero(counts)} of 360 steps, at most {max(counts)}",

@@ -25,7 +25,7 @@ use crate::error::refused;
 ///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
 ///     particle, in units of mass times length² per second².
 /// sides : array_like of int, shape (k,), optional
-///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y.
+///     Numbers of the sides: 0 to 3 at min x, max x, min y and max y.
 ///     The wall of a `Circle` is given by 0, or by all four. If omitted, all sides, or none if `walls`
 ///     is given.
 /// seed : int, default 0
@@ -51,7 +51,7 @@ use crate::error::refused;
 /// Notes
 /// -----
 /// Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall,
-/// are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
+/// are not heated: use coefficients of restitution of 1. `World.last_step` includes the change
 /// along the normal.
 ///
 /// References

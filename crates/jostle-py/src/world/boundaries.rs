@@ -105,7 +105,7 @@ impl PyWorld {
     /// See Also
     /// --------
     /// jostle.polyline : Walls between consecutive points.
-    /// wall_contacts : The walls that particles touched.
+    /// last_step : The walls that particles touched, and more.
     ///
     /// Examples
     /// --------
@@ -115,7 +115,7 @@ impl PyWorld {
     /// ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
     /// ... )
     /// >>> world.step(0.5)
-    /// >>> world.positions, world.wall_contacts.walls
+    /// >>> world.positions, world.last_step.wall_contacts.walls
     /// (array([[0., 2.]], dtype=float32), array([0]))
     /// >>> world.walls = None
     /// >>> world.walls.shape

@@ -202,8 +202,8 @@ impl PyWorld {
     ///
     /// An island of particles that touch or nearly touch falls asleep under gravity if each of them
     /// rests on something and has been slow for half a second, and if their motion is steady and
-    /// does not grow. Sleeping particles do not move, and cost almost nothing. `contacts` and
-    /// `wall_contacts` keep those of the last step in which they were awake.
+    /// does not grow. Sleeping particles do not move, and cost almost nothing. Their
+    /// contacts in `last_step` are those of the last step in which they were awake.
     ///
     /// An island wakes if a moving particle could touch it in the step, or if one of its particles
     /// is changed or removed (also if `world.positions` is assigned: to move a few, use

@@ -43,7 +43,7 @@ impl PyWorld {
     /// See Also
     /// --------
     /// events : The pairs that began and ceased to touch.
-    /// contacts, wall_contacts : What touched, with impulses.
+    /// last_step, last_call : What touched in the last step, and sums over the call.
     /// profile : The time of each stage.
     ///
     /// Examples
@@ -93,19 +93,18 @@ impl PyWorld {
         Ok(profile)
     }
 
-    /// The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
-    /// `tests`, the number of pairs that were tested, `unresolved`, the number of particles that had
-    /// too many collisions and then stayed with what pressed them, `substeps`, and `collapsed`, how
-    /// often the collisions of a particle became elastic. All are 0 before the first step, and after
-    /// `restore` and `load`.
+    /// The size of the tree of the last step: a `Stats` of `nodes`, `leaves`, `depth` and `tests`, the
+    /// number of pairs that were tested. All are 0 before the first step, and after `restore` and
+    /// `load`.
     ///
     /// See Also
     /// --------
     /// profile : The time of each stage.
+    /// last_step : What the last step found.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();
-        results::world_stats(py, stats)
+        results::stats(py, stats)
     }
 }
 

@@ -1,44 +1,28 @@
-//! What touched: contacts, events and collisions.
+//! What a world remembers of its last step and of the last call of `step`: contacts, sums and events.
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use super::PyWorld;
+use super::{PyWorld, State};
 use crate::error::refused;
 use crate::results;
 
 #[pymethods]
 impl PyWorld {
-    /// The pairs that touched during the last step, a `WorldContacts`; if `on_touch` is not
-    /// "bounce", the pairs that overlap now, without impulses.
+    /// What the last step found: a `LastStep` of `contacts`, the pairs that touched, a
+    /// `WorldContacts`; `wall_contacts`, the particles to which walls or the container gave an impulse,
+    /// a `WallContacts`; and the numbers `substeps`, `unresolved` and `collapsed`.
     ///
-    /// It has `pairs` (m, 2) of ids, ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,),
-    /// the penetration at the end of the step, negative for pairs that had separated. The sums of
-    /// the impulses of the step are `normal_impulses` and `friction_impulses` (m,).
+    /// The contacts are listed when it is read. Those of sleeping particles are those of the last step
+    /// in which they were awake. If `on_touch` is not "bounce", the pairs are those that overlap now,
+    /// without impulses. The numbers are 0 before the first step, and after `restore` and `load`.
+    /// Impulses are those of one step: divided by its length they are mean forces. A sum over many
+    /// steps is in `last_call`.
     ///
     /// See Also
     /// --------
-    /// wall_contacts : The contacts with walls.
+    /// last_call : Sums over all steps of the last call of `step`.
     /// events : The pairs that began and ceased to touch.
-    /// Quadtree.contacts : The overlaps of shapes.
-    #[getter]
-    fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let touches = self.long(py, |state| state.world.contacts())?;
-        results::world_contacts(py, touches.map_err(refused)?)
-    }
-
-    /// The particles to which walls or the container gave an impulse during the last step: a
-    /// `WallContacts` of `ids` (m,), ascending, `walls` (m,), unit `normals` (m, 2) from the wall
-    /// to the particle, `depths` (m,), `normal_impulses` and `friction_impulses` (m,) on the
-    /// particle. Divided by the length of the step, impulses are mean forces.
-    ///
-    /// Wall k of `walls` has the number k; the sides of the container have those of `Side`, which are
-    /// negative.
-    ///
-    /// See Also
-    /// --------
-    /// contacts : The pairs of particles.
-    /// Side : The sides of the container.
     ///
     /// Examples
     /// --------
@@ -46,14 +30,46 @@ impl PyWorld {
     /// >>> box = jostle.Box(-9, 0, 9, 9)
     /// >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
     /// >>> world.step(0.01)
-    /// >>> world.wall_contacts.walls, (world.wall_contacts.normal_impulses / 0.01).round(2)
+    /// >>> on_floor = world.last_step.wall_contacts
+    /// >>> on_floor.walls, (on_floor.normal_impulses / 0.01).round(2)
     /// (array([-4]), array([10.], dtype=float32))
     #[getter]
-    fn wall_contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        results::wall_contacts(
-            py,
-            self.long(py, |state| state.world.wall_contacts())?.map_err(refused)?,
-        )
+    fn last_step<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.long(py, |state| {
+            let State { world, .. } = state;
+            Ok((world.contacts()?, world.wall_contacts()?, world.stats()))
+        })?;
+        let (pairs, walls, stats) = found.map_err(refused)?;
+        results::last_step(py, pairs, walls, stats)
+    }
+
+    /// Sums over the last call of `step`, with all its steps: a `LastCall` of `duration`, `steps`,
+    /// `collisions`, `wall_collisions`, `collision_virial`, `wall_impulses` and `side_impulses`.
+    ///
+    /// Particles that sleep add nothing; ``World(..., sleeping=False)`` keeps all awake.
+    ///
+    /// See Also
+    /// --------
+    /// last_step : What touched in the last step.
+    ///
+    /// Examples
+    /// --------
+    /// The pressure of a gas in a box, from the impulses of its four sides:
+    ///
+    /// >>> import jostle, numpy as np
+    /// >>> box, rng = jostle.Box(0, 0, 100, 100), np.random.default_rng(1)
+    /// >>> at = rng.uniform(5, 95, (400, 2))
+    /// >>> gas = jostle.World(at, 0.1, masses=1.0, velocities=rng.normal(size=(400, 2)), container=box)
+    /// >>> gas.step(0.1, steps=5000)
+    /// >>> call = gas.last_call
+    /// >>> pressure = call.side_impulses[:, 0].sum() / (call.duration * 400)
+    /// >>> round(float(pressure * box.area / (len(gas) * gas.temperature())), 1)  # that of an ideal gas
+    /// 1.0
+    #[getter]
+    fn last_call<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let state = self.state(py)?;
+        let totals = state.world.record().totals().clone();
+        results::last_call(py, totals, state.world.walls().len())
     }
 
     /// The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
@@ -78,8 +94,8 @@ impl PyWorld {
     ///
     /// See Also
     /// --------
-    /// contacts : The pairs of the last step, with impulses.
-    /// collisions : The number of collisions.
+    /// last_step : The pairs of the last step, with impulses.
+    /// last_call : The number of collisions.
     ///
     /// Examples
     /// --------
@@ -101,28 +117,5 @@ impl PyWorld {
         let rule = "events are not tracked; set world.track_events = True before the step, or make \
                     the world with track_events=True";
         results::world_events(py, events.ok_or_else(|| PyRuntimeError::new_err(rule))?)
-    }
-
-    /// The number of collisions in the last call of `step`: a `WorldCollisions` of `pairs`, those
-    /// of two particles, and `walls`, those of a particle and a wall or the container.
-    ///
-    /// Every impact counts, also several of one pair. Resting contacts do not count.
-    ///
-    /// See Also
-    /// --------
-    /// contacts, wall_contacts : Which particles touched, with impulses.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> box = jostle.Box(-4, -1, 4, 1)
-    /// >>> world = jostle.World([(-3, 0), (0, 0)], 1.0, velocities=[(1, 0), (0, 0)], container=box)
-    /// >>> world.step(1 / 60, steps=600)  # 10 seconds; a collision each 1, 3, 5, ... seconds
-    /// >>> world.collisions
-    /// WorldCollisions(pairs=3, walls=2)
-    #[getter]
-    fn collisions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let collisions = self.state(py)?.world.record().collisions();
-        results::world_collisions(py, collisions)
     }
 }

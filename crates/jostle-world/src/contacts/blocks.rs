@@ -91,6 +91,18 @@ pub struct Block {
     pub has_images: bool,
 }
 
+/// A contact with impulses at rest in a step.
+pub struct Rested {
+    /// The indices of its particles.
+    pub pair: [u32; 2],
+    /// The sum of their radii.
+    pub contact_distance: f32,
+    /// Unit vector from the first to the second in the last sub-step.
+    pub normal: [f32; 2],
+    /// The sums over the sub-steps of the impulses along the normal and of friction.
+    pub impulses: [f32; 2],
+}
+
 impl Default for Block {
     fn default() -> Self {
         let zeros = [0.0; LANES];
@@ -208,6 +220,17 @@ impl Block {
                 totals[1][lane] += friction_impulses[0][lane] + friction_impulses[1][lane];
             }
         }
+    }
+
+    /// The contacts with impulses at rest in this step.
+    pub fn rested(&self) -> impl Iterator<Item = Rested> {
+        let lanes = (0..LANES).filter(|&lane| self.totals[0][lane] > 0.0);
+        lanes.map(|lane| Rested {
+            pair: [0, 1].map(|k| self.indices.of(k)[lane]),
+            contact_distance: self.contact_distances[lane],
+            normal: [0, 1].map(|k| self.normal[k][lane]),
+            impulses: [0, 1].map(|k| self.totals[k][lane]),
+        })
     }
 
     /// The contact of a lane, if its particles overlapped or an impulse pushed them in this step, or if

@@ -591,6 +591,11 @@ impl Contacts {
         Ok(())
     }
 
+    /// The contacts of the step that is computed, in blocks.
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks.list
+    }
+
     /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
         self.list.iter().filter(|contact| contact.touched || contact.presses())

@@ -58,8 +58,9 @@ impl Simulation<'_> {
             predicted.iter().try_for_each(|event| self.scratch.queue.push(*event))?;
             self.turn(number, new);
             let impulses = self.impulses_of(0);
-            let pair = [index, WALL];
-            self.history.bounces.push(Bounce { pair, code: wall, impulses, trajectory: number });
+            let (pair, normal) = ([index, WALL], touch.normal.map(|v| v as f32));
+            let (code, trajectory) = (wall, number);
+            self.history.bounces.push(Bounce { pair, code, normal, impulses, trajectory });
         }
         self.scratch.predicted = predicted;
         Ok(is_alone)

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::Outside;
 use super::friction::Turning;
+use super::queue::WALL;
 use crate::trajectory::{Piece, Vector};
 use jostle_base::error::Result;
 use jostle_base::memory;
@@ -53,6 +54,8 @@ pub struct Bounce {
     pub pair: [u32; 2],
     /// The number of the wall, or of the image of the second disc.
     pub code: u32,
+    /// Unit vector from the first to the second at the impact.
+    pub normal: [f32; 2],
     /// The impulses along the normal and of friction.
     pub impulses: [f32; 2],
     /// The trajectory of one of the discs.
@@ -60,11 +63,17 @@ pub struct Bounce {
 }
 
 impl Bounce {
+    /// Whether it is that of a disc and a wall or a side of the container.
+    pub fn is_with_wall(&self) -> bool {
+        self.pair[1] == WALL
+    }
+
     /// The order of two bounces: by their pairs, those of the same pair by the rest, because sums of
     /// impulses depend on the order.
     pub fn order(&self, other: &Self) -> Ordering {
         let pair = |of: &Self| u64::from(of.pair[0]) << 32 | u64::from(of.pair[1]);
-        let rest = |of: &Self| (of.code, of.impulses.map(f32::to_bits));
+        let rest =
+            |of: &Self| (of.code, of.impulses.map(f32::to_bits), of.normal.map(f32::to_bits));
         pair(self).cmp(&pair(other)).then_with(|| rest(self).cmp(&rest(other)))
     }
 }

@@ -535,7 +535,8 @@ impl Simulation<'_> {
             let [a, b] = touch.bodies.map(|body| body.map(|body| &self.scratch.group[body]));
             let trajectory = a.or(b).expect("one of them is in the group").number;
             let ([first, second, code], impulses) = (touch.key, self.impulses_of(at));
-            self.history.bounces.push(Bounce { pair: [first, second], code, impulses, trajectory });
+            let (pair, normal) = ([first, second], touch.normal.map(|v| v as f32));
+            self.history.bounces.push(Bounce { pair, code, normal, impulses, trajectory });
         }
     }
 

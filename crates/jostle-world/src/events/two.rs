@@ -96,7 +96,8 @@ impl Simulation<'_> {
         }
         (0..2).for_each(|k| self.turn(numbers[k], new[k]));
         let impulses = self.impulses_of(0);
-        self.history.bounces.push(Bounce { pair, code, impulses, trajectory: numbers[a] });
+        let (normal, trajectory) = (touch.normal.map(|v| v as f32), numbers[a]);
+        self.history.bounces.push(Bounce { pair, code, normal, impulses, trajectory });
         Ok(true)
     }
 

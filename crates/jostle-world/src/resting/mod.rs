@@ -121,6 +121,17 @@ pub struct WallImpulse {
 
 plain! { WallImpulse { row, wall, impulses, pushes } }
 
+/// The impulse that a wall, no side of the container, gave to a particle in a sub-step.
+#[derive(Clone, Copy, Debug)]
+pub struct WallVector {
+    /// The row of the particle.
+    pub row: u32,
+    /// The number of the wall.
+    pub wall: u32,
+    /// The impulse.
+    pub impulse: [f32; 2],
+}
+
 /// The sum of two vectors.
 fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| a[k] + b[k])
@@ -180,13 +191,13 @@ impl Support<'_> {
 }
 
 impl Resting {
-    /// Finds the impulses of the resting contacts, writes those of walls to `to`, and changes the kicks
-    /// of the particles that they support.
+    /// Finds the impulses of the resting contacts, writes those of walls to `to`, adds them as vectors to `to_walls`,
+    /// see [`OnWalls::vectors`], and changes the kicks of the particles that they support.
     pub fn support(
         &mut self,
         scene: &Support<'_>,
         contacts: &mut Contacts,
-        to: &mut Vec<WallImpulse>,
+        (to, to_walls): (&mut Vec<WallImpulse>, &mut Vec<WallVector>),
         springs: &mut SpringSolver,
         kicks: &mut [Kick],
     ) -> Result<()> {
@@ -213,6 +224,7 @@ impl Resting {
             let (row, mass) =
                 (scene.rows[walls.index as usize], scene.particles.masses[walls.index as usize]);
             memory::extend(to, walls.impulses(row, mass))?;
+            memory::extend(to_walls, walls.vectors(row, mass))?;
         }
         // The next sub-step searches by rows.
         to.sort_unstable_by_key(|of| (of.row, of.wall));

@@ -1,13 +1,13 @@
 //! Resting contacts of a particle with walls.
 
 use super::pairs::{Pass, Phase};
-use super::{MAX_REST_GAP, Start, Support, Surfaces, WallImpulse, are_touching};
+use super::{MAX_REST_GAP, Start, Support, Surfaces, WallImpulse, WallVector, are_touching};
 use crate::contacts::RELAXATION;
 use crate::flow::Kick;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
 use crate::trajectory::rest_speeds;
-use crate::walls::{self, OPPOSED};
+use crate::walls::{self, OPPOSED, index_of};
 
 /// Walls on which a particle can rest at once, at most.
 const MAX_CONTACTS: usize = 4;
@@ -187,6 +187,17 @@ impl OnWalls {
             WallImpulse { row, wall, impulses, pushes }
         });
         all.filter(|of| of.impulses[0] > 0.0 || of.pushes[0] > 0.0)
+    }
+
+    /// The impulses as vectors, of walls that are no sides of the container.
+    pub fn vectors(&self, row: u32, mass: f32) -> impl Iterator<Item = WallVector> {
+        let walls = self.contacts.iter().flatten().filter(|of| index_of(of.wall).is_some());
+        walls.map(move |of| {
+            let along = turned(of.inward);
+            let [normal, friction] = [0, 1].map(|k| of.pushes[0][k] + of.pushes[1][k]);
+            let impulse = [0, 1].map(|k| mass * (normal * of.inward[k] + friction * along[k]));
+            WallVector { row, wall: of.wall, impulse }
+        })
     }
 }
 

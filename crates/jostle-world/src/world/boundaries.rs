@@ -12,10 +12,12 @@ use super::bodies::asleep::{Sleepers, run};
 use super::bodies::ids::renumber;
 use super::search::MAX_CANDIDATES;
 use super::settings::WorldSettings;
+use super::totals::StepSums;
 use crate::contacts::sum_of_impulses;
-use crate::events::{Bounce, WALL};
+use crate::container::Container;
+use crate::events::Bounce;
 use crate::particles::Particles;
-use crate::resting::WallImpulse;
+use crate::resting::{WallImpulse, WallVector};
 use crate::walls::{Around, Clock, Near, Wall, Walls, index_of};
 use jostle_base::error::Result;
 use jostle_base::memory;
@@ -32,6 +34,8 @@ pub(crate) struct Boundaries {
     pub(crate) near: Near,
     /// The impulses of resting contacts in its sub-steps.
     resting: Vec<WallImpulse>,
+    /// The same as vectors, of walls that are no sides of the container.
+    pub(crate) resting_vectors: Vec<WallVector>,
     /// The pushes of the last sub-step, sorted by row and wall; in the first one those of the step before.
     pub(crate) pushes: Vec<WallImpulse>,
     /// Those of the sub-step that is computed.
@@ -97,6 +101,7 @@ impl Boundaries {
     /// Begins the sub-steps of a part.
     pub(crate) fn begin_substeps(&mut self, may_rest: bool) {
         self.resting.clear();
+        self.resting_vectors.clear();
         // Nothing will read or renew the pushes of the step before.
         if !may_rest {
             self.pushes.clear();
@@ -118,9 +123,21 @@ impl Boundaries {
         Ok(())
     }
 
-    /// Adds the impulses of a part: of bounces in the order of time, and of resting contacts.
-    pub(crate) fn collect(&mut self, bounced: &[Bounce], rows: &[u32]) -> Result<()> {
-        let bounced = bounced.iter().filter(|bounce| bounce.pair[1] == WALL);
+    /// Adds the impulses of a part: of bounces in the order of time, and of resting contacts. Adds those of resting
+    /// contacts to the sums of the step, where these are on own rows; `sums` has those of bounces already.
+    pub(crate) fn collect(
+        &mut self,
+        bounced: &[Bounce],
+        rows: &[u32],
+        (sums, container, own_rows): (&mut StepSums, &Container, u32),
+    ) -> Result<()> {
+        for of in self.resting.iter().filter(|of| of.row < own_rows) {
+            sums.add_side(of.wall, of.impulses, container);
+        }
+        for of in self.resting_vectors.iter().filter(|of| of.row < own_rows) {
+            sums.add_wall(of.wall, of.impulse.map(f64::from))?;
+        }
+        let bounced = bounced.iter().filter(|bounce| bounce.is_with_wall());
         let bounced = bounced.map(|bounce| WallImpulse {
             row: rows[bounce.pair[0] as usize],
             wall: bounce.code,
@@ -130,6 +147,7 @@ impl Boundaries {
         memory::extend(&mut self.impulses, bounced)?;
         memory::append(&mut self.impulses, &self.resting)?;
         self.resting.clear();
+        self.resting_vectors.clear();
         Ok(())
     }
 

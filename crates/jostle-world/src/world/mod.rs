@@ -7,7 +7,7 @@
 //! - `influences`: forces and what else acts on particles; [`external`]: accelerations that the caller computes.
 //! - `contacts`: the contacts of the last step, with their impulses for warm starting, and the solver.
 //! - [`islands`]: particles that touch, which fall asleep and wake together.
-//! - [`record`]: what happened: collisions, and pairs that began and ceased to touch.
+//! - [`record`]: what happened: sums over steps ([`totals`]), and pairs that began and ceased to touch.
 //! - [`snapshot`]: the whole world in bytes.
 //! - [`distribution`]: the processes that share the world.
 //!
@@ -31,6 +31,7 @@ pub(crate) mod renewal;
 pub(crate) mod bounds;
 pub(crate) mod islands;
 pub(crate) mod edits;
+pub(crate) mod totals;
 pub(crate) mod record;
 pub(crate) mod merge;
 pub(crate) mod refinement;
@@ -72,9 +73,10 @@ use jostle_base::table::Table;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes, fill_filters};
 use plan::start_threads;
-pub use record::{Collisions, Record, TouchEvents};
+pub use record::{Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 pub use sums::StateHash;
+pub use totals::{Collisions, Totals};
 pub use touches::{Touch, WallTouch};
 use undo::Before;
 
@@ -306,6 +308,7 @@ impl World {
         walls.set_sides(self.settings.present_sides());
         wake_all(self)?;
         self.bodies.awake.persistent.recent_motions.clear();
+        self.record.totals.walls.truncate(walls.all().len());
         self.boundaries.replace_walls(walls);
         Ok(())
     }

@@ -1,29 +1,18 @@
-//! What happened since a record began: the number of collisions, and, if that is wanted, which pairs
+//! What happened since a record began: sums over its steps, and, if that is wanted, which pairs
 //! began and ceased to touch.
 
 use std::cmp::Ordering;
 
 use super::bodies::Bodies;
 use super::distribution::Distribution;
+use super::totals::{Collisions, StepSums, Totals};
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory::{self, copy_option};
-use jostle_base::plain;
 
 /// Pairs in the list of those that touched before doubles are removed for the first time.
 const FEW: usize = 1024;
-
-/// Impacts with an impulse, in the order of time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Collisions {
-    /// Those of two particles.
-    pub pairs: u64,
-    /// Those of a particle and a wall or the container.
-    pub walls: u64,
-}
-
-plain! { Collisions { pairs, walls } }
 
 /// Pairs of ids, the smaller first, sorted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -42,7 +31,7 @@ pub struct TouchEvents {
 /// refused. All lists of pairs are of ids, the smaller first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
-    collisions: Collisions,
+    pub(super) totals: Totals,
     /// The pairs that touched at the end of the record before, sorted.
     pub(crate) before: Vec<[Id; 2]>,
     /// The pairs that touched in a step of this record; some may be listed twice.
@@ -59,8 +48,8 @@ pub struct Record {
     pub(crate) is_open: bool,
     /// Whether no particle has fallen asleep since `at_end` was computed.
     pub(crate) knows_sleepers: bool,
-    /// Collisions of the step that is computed.
-    of_step: Collisions,
+    /// What the step that is computed adds to the totals.
+    pub(super) of_step: StepSums,
     /// The length of `during`, and what had merged, when the step began.
     at_begin: (usize, Option<Vec<[Id; 2]>>),
     /// The record before, until a step of this one is complete.
@@ -69,7 +58,7 @@ pub struct Record {
 
 impl Saved for Record {
     fn put(&self, to: &mut Writer) {
-        to.put(self.collisions);
+        self.totals.put(to);
         // The order of `during` is not that of the state.
         self.before.put(to);
         match self.sorted() {
@@ -80,15 +69,16 @@ impl Saved for Record {
     }
 
     fn get(from: &mut Reader<'_>) -> Result<Self> {
-        let collisions = from.get()?;
+        let totals = Saved::get(from)?;
         let [before, during, at_end] = [Saved::get(from)?, Saved::get(from)?, Saved::get(from)?];
-        Ok(Self { collisions, before, during, at_end, ..Self::default() })
+        Ok(Self { totals, before, during, at_end, ..Self::default() })
     }
 }
 
 impl Record {
-    /// Refuses pairs that no record of particles with ids below `next` can have.
-    pub(crate) fn check(&self, next: Id, track_events: bool) -> Result<()> {
+    /// Refuses pairs that no record of particles with ids below `next` can have, and sums of more than so many walls.
+    pub(crate) fn check(&self, next: Id, track_events: bool, walls: usize) -> Result<()> {
+        self.totals.check(walls)?;
         let lists = [&self.before, &self.during, &self.at_end];
         let is_pair = |&[a, b]: &[Id; 2]| 0 <= a && a < b && b < next;
         let is_right =
@@ -102,9 +92,9 @@ impl Record {
         Ok(())
     }
 
-    /// The number of collisions.
-    pub fn collisions(&self) -> Collisions {
-        self.collisions
+    /// Sums over its steps.
+    pub fn totals(&self) -> &Totals {
+        &self.totals
     }
 
     /// The pairs that touched at the end of the record before, that touched in a step of this one, and that touch at
@@ -167,14 +157,14 @@ impl Record {
 
     /// Forgets all pairs.
     pub(crate) fn forget_pairs(&mut self) {
-        let (collisions, merged) = (self.collisions, self.merged.take());
-        *self = Self { collisions, merged, ..Self::default() };
+        let (totals, merged) = (std::mem::take(&mut self.totals), self.merged.take());
+        *self = Self { totals, merged, ..Self::default() };
     }
 
     /// Begins an attempt at a step.
     pub(crate) fn begin_attempt(&mut self) -> Result<()> {
         copy_option(&mut self.at_begin.1, self.merged.as_deref())?;
-        self.of_step = Collisions::default();
+        self.of_step.clear();
         // A step only appends pairs, so their number is enough to remove them again.
         self.at_begin.0 = self.during.len();
         Ok(())
@@ -186,11 +176,14 @@ impl Record {
         self.merged = self.at_begin.1.take();
     }
 
+    /// Makes room for what the attempt has added, so that [`Record::end_step`] cannot fail.
+    pub(crate) fn make_room(&mut self) -> Result<()> {
+        self.totals.make_room(&self.of_step)
+    }
+
     /// Ends a step: makes what its last attempt has added final.
     pub(crate) fn end_step(&mut self) {
-        let Collisions { pairs, walls } = self.of_step;
-        self.collisions.pairs = self.collisions.pairs.saturating_add(pairs);
-        self.collisions.walls = self.collisions.walls.saturating_add(walls);
+        self.totals.add(&self.of_step);
         self.is_open = true;
         // Only a long list is sorted, so that a step costs as much as it adds.
         // Without memory for the copy it stays as it is.
@@ -207,8 +200,12 @@ impl Record {
         self.is_open |= !self.knows_sleepers;
     }
 
-    /// Called after each step: if the first one of this record fails, the record is as before it began.
-    pub(crate) fn keep_or_cancel(&mut self, is_done: bool) {
+    /// Called after each step of `dt` seconds: if the first one of this record fails, the record is as before it began.
+    pub(crate) fn keep_or_cancel(&mut self, is_done: bool, dt: f64) {
+        if is_done {
+            self.totals.duration += dt;
+            self.totals.steps = self.totals.steps.saturating_add(1);
+        }
         if let Some(previous) = self.previous.take()
             && !is_done
         {
@@ -221,15 +218,9 @@ impl Record {
         memory::extend(&mut self.during, pairs)
     }
 
-    /// Counts a collision of the step.
-    pub(crate) fn count(&mut self, is_with_wall: bool) {
-        let Collisions { pairs, walls } = &mut self.of_step;
-        *(if is_with_wall { walls } else { pairs }) += 1;
-    }
-
     /// Collisions of the step that is computed.
     pub(crate) fn of_step(&self) -> Collisions {
-        self.of_step
+        self.of_step.collisions
     }
 
     /// Adds that particles merged: the old id and the new one of each, by old ids.

@@ -58,7 +58,7 @@ impl World {
             } else {
                 self.step_until_complete(dt, watch)
             };
-            self.record.keep_or_cancel(done.is_ok());
+            self.record.keep_or_cancel(done.is_ok(), dt);
             done?;
             self.time += dt;
         }
@@ -150,6 +150,7 @@ impl World {
             let touching = contacts.touching().map(|contact| contact.indices);
             record_pairs(record, bodies, &**halo, touching)?;
         }
+        self.record.make_room()?;
         // Falling asleep is the last that may fail. What comes after it cannot be undone.
         fall_asleep(self, &plan, dt)?;
         forget_woken(self);

@@ -190,7 +190,8 @@ impl World {
             boundaries,
             ..
         } = self;
-        let Boundaries { walls, near, pushes, new_pushes: new, .. } = boundaries;
+        let Boundaries { walls, near, pushes, new_pushes, resting_vectors, .. } = boundaries;
+        let new = (new_pushes, resting_vectors);
         let springs = &mut scratch.forces.sprung;
         let clock = common.clock(substep);
         let scene = Support {

@@ -6,7 +6,7 @@ use super::record::record_pairs;
 use super::search::{Overlap, overlapping};
 use super::settings::{OnTouch, WorldSettings};
 use super::{StepScratch, World};
-use crate::contacts::{Contact, Contacts};
+use crate::contacts::{Block, Contact, Contacts};
 use crate::events::{Bounce, Events, WALL};
 use crate::motion::{Motions, exact};
 use crate::particles::Particles;
@@ -77,11 +77,21 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) -> Resu
     }
     // A pair of particles belongs to the process of the first.
     let is_own = |index: u32| rows[index as usize] < halo.own_rows();
-    for bounce in bounced.iter().filter(|bounce| bounce.impulses[0] > 0.0 && is_own(bounce.pair[0]))
-    {
-        record.count(bounce.pair[1] == WALL);
+    let sums = &mut record.of_step;
+    for bounce in bounced.iter().filter(|bounce| is_own(bounce.pair[0])) {
+        let radius = |index: u32| f64::from(particles.radii[index as usize]);
+        let [a, b] = bounce.pair;
+        let contact_distance = if b == WALL { 0.0 } else { radius(a) + radius(b) };
+        sums.add_bounce(bounce, contact_distance, &settings.container)?;
     }
-    boundaries.collect(bounced, rows)?;
+    for rested in contacts.blocks().iter().flat_map(Block::rested) {
+        let [a, b] = rested.pair;
+        if is_own(a.min(b)) {
+            let (distance, normal) = (rested.contact_distance.into(), rested.normal.map(f64::from));
+            sums.add_contact(distance, normal, rested.impulses);
+        }
+    }
+    boundaries.collect(bounced, rows, (sums, &settings.container, halo.own_rows()))?;
     sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
     sensed.sort_unstable();
     sensed.dedup();

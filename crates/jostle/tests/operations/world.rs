@@ -439,8 +439,8 @@ impl WorldCase {
             assert_eq!(world.contacts(), first.contacts(), "{way}");
             assert_eq!(world.wall_contacts().unwrap(), first.wall_contacts().unwrap(), "{way}");
             assert_eq!(
-                (world.record().collisions(), world.events().unwrap()),
-                (first.record().collisions(), first.events().unwrap()),
+                (world.record().totals().collisions, world.events().unwrap()),
+                (first.record().totals().collisions, first.events().unwrap()),
                 "{way}"
             );
             assert_eq!(world.renumbered(), first.renumbered(), "{way}");
