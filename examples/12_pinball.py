@@ -31,7 +31,7 @@ for screen in show.frames("Pinball", until=240):
         for ids, center, speed in zip(paddles, (left[0], right[0]), speeds * (-1, 1))
     ]
     world.step(1 / 60)
-    for a, b in world.walls:
+    for a, b in world.walls.segments:
         pygame.draw.aaline(screen, show.SOFT, a.tolist(), b.tolist(), 3)
     for place, radius in zip(world.positions.tolist(), radii):
         color = show.YELLOW if radius == 8 else show.TEAL if radius == 24 else show.ORANGE

@@ -52,7 +52,7 @@ def run(comm: MPI.Intracomm, scene: str, n: int, frames: int, out: str) -> None:
     for _ in range(frames):
         shares = comm.gather((world.positions, world.radii))  # None on the other ranks
         if film and shares:
-            film.add(shares, world.walls)
+            film.add(shares, world.walls.segments)
         world.step(1 / RATE)  # a call of all ranks, as gather and state_hash are
     state = world.state_hash()
     if film:

@@ -13,7 +13,8 @@
     Particles that move and collide in a `Box`, a `Circle` or a periodic plane;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
     `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
-    `Motor` are its forces. `polyline` makes walls; `Side` names the sides of a container.
+    `Motor` are its forces. `World.walls` is a `Walls`, `polyline` makes them; `Side` names the
+    sides of a container.
     `jostle.life` has matrices for particle life.
 `Contacts`, `IdLists`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
@@ -21,8 +22,8 @@
     The results of `separate`, `Space.move_and_slide` and `Space.get`.
 `WorldContacts`, `WallContacts`, `WorldEvents`, `LastStep`, `LastCall`
     What a world says about its last step.
-`Particle`, `Particles`
-    Copies of some particles.
+`Particle`, `Particles`, `Wall`, `WallColumns`
+    Copies of some particles and walls.
 """
 
 from jostle import life, scenes
@@ -41,6 +42,7 @@ from jostle._core import (
     Springs,
     ThermalWalls,
     Thermostat,
+    Walls,
     World,
     __version__,
     find_pairs,
@@ -64,6 +66,8 @@ from jostle.results import (
     Slide,
     Slides,
     Stats,
+    Wall,
+    WallColumns,
     WallContacts,
     WorldContacts,
     WorldEvents,
@@ -104,7 +108,10 @@ __all__ = [
     "Stats",
     "ThermalWalls",
     "Thermostat",
+    "Wall",
+    "WallColumns",
     "WallContacts",
+    "Walls",
     "World",
     "WorldContacts",
     "WorldEvents",

@@ -40,6 +40,8 @@ from jostle.results import (
     Slide,
     Slides,
     Stats,
+    Wall,
+    WallColumns,
     WorldEvents,
 )
 
@@ -59,6 +61,7 @@ __all__ = [
     "Springs",
     "ThermalWalls",
     "Thermostat",
+    "Walls",
     "World",
     "__version__",
     "abandon_threads",
@@ -2516,8 +2519,8 @@ class World:
         Kinds of the particles in each `PairForce`, from 0 to 63.
     categories, masks : array_like of int, a number or shape (n,), default 1 and all bits
         Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]``; others pass through each other at no cost. Walls, the container
-        and forces do not depend on them.
+        ``categories[j] & masks[i]``; others pass through each other at no cost. Walls have categories
+        and masks, too. The container and forces do not depend on them.
     gravity : array_like, shape (2,), default (0.0, 0.0)
         Acceleration, in units of length per second squared.
     drag : float, default 0.0
@@ -2528,18 +2531,13 @@ class World:
     period : float or array_like, shape (2,), optional
         Width and height of a periodic plane, in place of a container: a particle that leaves on one
         side enters on the other. Positions are from 0 to the period.
-    walls : array_like, shape (m, 2, 2), optional
+    walls : array_like, shape (m, 2, 2), or dict, optional
         Line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
         a wall is pushed out in several steps. On a periodic plane walls act across its sides,
-        and a wall may extend over each side once at most.
-    wall_velocities : array_like, shape (2,) or (m, 2), optional
-        Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
-        particles and are not pushed. Walls that share an end should have the same velocity. Nothing
-        falls asleep while a wall moves.
-    wall_restitution, wall_friction : array_like, a number or shape (m,), optional
-        Coefficients of the walls. A contact has the square root of the product with
-        that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
+        and a wall may extend over each side once at most. Or a dict of the arguments of
+        `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `one_way`,
+        `categories` and `masks`. The walls have the ids 0, 1, 2, ...
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
         `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
@@ -2643,10 +2641,7 @@ class World:
         drag: _Number = 0.0,
         container: _Container | None = None,
         period: ArrayLike | None = None,
-        walls: ArrayLike | None = None,
-        wall_velocities: ArrayLike | None = None,
-        wall_restitution: ArrayLike | None = None,
-        wall_friction: ArrayLike | None = None,
+        walls: ArrayLike | dict[str, Any] | None = None,
         forces: Iterable[_Force] = (),
         on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
         sleeping: bool = True,
@@ -3343,21 +3338,10 @@ class World:
     @period.setter
     def period(self, value: ArrayLike | None) -> None: ...
     @property
-    def walls(self) -> NDArray[np.float32]:
-        """Walls: ndarray of float32, shape (m, 2, 2), a read-only copy of the ends of line segments in
-        units of length.
+    def walls(self) -> Walls:
+        """The walls of the world: a `Walls`, which shows and changes them.
 
-        Assign an array of this shape, or None for no walls. Wall k keeps the velocity and the
-        coefficients of the previous wall k; additional ones are at rest and have the coefficients of
-        the particles. All particles wake. Walls that are moved in this way
-        transfer no momentum, see `wall_velocities`: particles that overlap a wall are pushed out in
-        several steps, to the side on which their centre is.
-
-        Raises
-        ------
-        ValueError
-            If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
-            equal, or a wall is longer than a side of the period.
+        It cannot be assigned; ``world.walls.segments = ...`` moves all walls.
 
         See Also
         --------
@@ -3367,62 +3351,11 @@ class World:
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World(
-        ...     [(0, 2)], 1.0, velocities=[(0, -4)],
-        ...     walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]),
-        ... )
-        >>> world.step(0.5)
-        >>> world.positions, world.last_step.wall_contacts.walls
-        (array([[0., 2.]], dtype=float32), array([0]))
-        >>> world.walls = None
-        >>> world.walls.shape
-        (0, 2, 2)
+        >>> world = jostle.World(walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]))
+        >>> world.walls.remove(0)
+        >>> world.walls.ids, world.walls.segments.tolist()
+        (array([1]), [[[0.0, 0.0], [3.0, 0.0]]])
         """
-    @walls.setter
-    def walls(self, value: ArrayLike | None) -> None: ...
-    @property
-    def wall_velocities(self) -> NDArray[np.float32]:
-        """Velocities of the walls: ndarray of float32, shape (m, 2), a read-only copy in units of
-        length per second.
-
-        A wall moves with its velocity in each step, so that `walls` has its new ends, and pushes
-        particles as a kinematic particle does: pistons, paddles, lifts. Assign an array, one vector
-        or None for 0. All particles wake.
-
-        Raises
-        ------
-        ValueError
-            If the shape is wrong, or a component is not finite or above 1e18.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> piston = [((0, -2), (0, 2))]
-        >>> world = jostle.World([(4, 0)], 1.0, walls=piston, wall_velocities=(2, 0))
-        >>> world.step(0.5, steps=4)  # they touch after 1.5 seconds
-        >>> world.velocities, world.walls[:, 0]
-        (array([[4., 0.]], dtype=float32), array([[ 4., -2.]], dtype=float32))
-        """
-    @wall_velocities.setter
-    def wall_velocities(self, value: ArrayLike | None) -> None: ...
-    @property
-    def wall_restitution(self) -> NDArray[np.float32]:
-        """Coefficients of restitution of the walls: ndarray of float32, shape (m,), a read-only copy.
-
-        NaN stands for the coefficient of the particle. Assign an array or one number, 0 to 1, or None for
-        NaN.
-        """
-    @wall_restitution.setter
-    def wall_restitution(self, value: ArrayLike) -> None: ...
-    @property
-    def wall_friction(self) -> NDArray[np.float32]:
-        """Coefficients of friction of the walls: ndarray of float32, shape (m,), a read-only copy.
-
-        NaN stands for the coefficient of the particle. Assign an array or one number, or None for
-        NaN.
-        """
-    @wall_friction.setter
-    def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
         """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
@@ -3946,6 +3879,323 @@ class World:
     def __reduce__(self) -> tuple[Callable[[bytes], World], tuple[bytes]]: ...
     def __contains__(self, id: object, /) -> bool: ...
     def __len__(self) -> int: ...
+
+@final
+class Walls:
+    """The walls of a world: line segments with ids, which discs do not cross.
+
+    It is made by `World.walls` and shows the walls that the world has at any time. Each wall has an
+    id, which never changes and is never used again: 0, 1, 2, ... in the order of adding. The columns
+    are in the order of `ids`, and `rows` gives the rows of ids. Columns are read-only copies: assign
+    them as a whole, or change some walls with `set`. A change wakes all particles. It costs as much
+    as all walls, so change many at once.
+
+    A wall is solid from both sides, and so are its ends, unless it is `one_way`. It moves with its velocity in each step, and
+    pushes particles as a kinematic particle does. Walls that are moved by a change transfer no
+    momentum: particles that overlap a wall are pushed out in several steps, to the side on which
+    their centre is.
+
+    See Also
+    --------
+    World.walls : Returns it.
+    polyline : Walls between consecutive points.
+
+    Examples
+    --------
+    >>> import jostle
+    >>> world = jostle.World([(0, 2)], 1.0, velocities=[(0, -4)])
+    >>> floor, piston = world.walls.add([((-3, 0), (3, 0)), ((9, 0), (9, 5))], restitution=[0.25, None])
+    >>> world.walls.set(piston, velocities=(-1, 0))
+    >>> world.step(0.5)
+    >>> world.positions, world.walls.get(piston).segments
+    (array([[0. , 1.5]], dtype=float32), array([[8.5, 0. ],
+           [8.5, 5. ]], dtype=float32))
+    """
+
+    def add(
+        self,
+        segments: ArrayLike,
+        *,
+        velocities: ArrayLike = (0.0, 0.0),
+        friction: ArrayLike | None = None,
+        restitution: ArrayLike | None = None,
+        one_way: ArrayLike = False,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 4294967295,
+    ) -> int | _Ids | Any:
+        """Add one wall or many, after the others.
+
+        Parameters
+        ----------
+        segments : array_like, shape (k, 2, 2), or (2, 2) for one wall
+            From one end to the other, in units of length.
+        velocities : array_like, shape (2,) or (k, 2), default (0.0, 0.0)
+            In units of length per second. Walls that share an end should have the same velocity.
+            Nothing falls asleep while a wall moves.
+        friction, restitution : array_like, a number or shape (k,), optional
+            Coefficients. A contact has the square root of the product with that of the particle. None,
+            and NaN for one wall, is the coefficient of the particle.
+        one_way : array_like of bool, one or shape (k,), default False
+            Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx),
+            where (dx, dy) is ``end - start``. A particle comes from there if all of it is there, up to an
+            overlap of 1/64 of its radius. Anything else passes.
+        categories, masks : array_like of int, a number or shape (k,), default 1 and all bits
+            Bit sets of 32 bits: a particle i and a wall w touch only if ``categories[i] & masks[w]`` and
+            ``categories[w] & masks[i]``.
+
+        Returns
+        -------
+        ndarray of int64, shape (k,), or int
+            Their ids, above all ids before; one id for one segment.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are equal,
+            or a wall is longer than a side of the period; then nothing is added.
+
+        See Also
+        --------
+        set : Change walls.
+        remove : Remove walls.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World()
+        >>> world.walls.add(jostle.polyline([(0, 0), (5, 0), (5, 5)]), friction=0.5)
+        array([0, 1])
+        >>> world.walls.add(((0, 9), (5, 9)))
+        2
+        """
+    def remove(self, ids: ArrayLike) -> None:
+        """Remove walls. Their ids are never used again.
+
+        In the columns, the rows after a removed one move up. A `Motor` no longer drives them, and
+        `ThermalWalls` leave them out.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The walls, each at most once.
+
+        Raises
+        ------
+        ValueError
+            If an id does not exist or is given twice; then none is removed.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(walls=[((0, 0), (5, 0)), ((5, 0), (5, 5))])
+        >>> world.walls.remove(world.walls.ids)
+        >>> len(world.walls)
+        0
+        """
+    def set(
+        self,
+        ids: ArrayLike,
+        *,
+        segments: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        friction: ArrayLike | None = None,
+        restitution: ArrayLike | None = None,
+        one_way: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+    ) -> None:
+        """Change some columns of some walls.
+
+        Columns that are omitted stay the same.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The walls, each at most once.
+        segments : array_like, shape (k, 2, 2), or (2, 2) for one id, optional
+            In units of length.
+        velocities : array_like, shape (2,) or (k, 2), optional
+            In units of length per second.
+        friction, restitution : array_like, a number or shape (k,), or None, optional
+            Coefficients. None, and NaN for one wall, is the coefficient of the particle.
+        one_way : array_like of bool, one or shape (k,), optional
+            Whether the wall stops only what comes from its left.
+        categories, masks : array_like of int, a number or shape (k,), optional
+            Bit sets of 32 bits.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As by `add`, or if an id does not exist or is given twice; then nothing is changed.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(walls=[((0, 0), (5, 0)), ((5, 0), (5, 5))])
+        >>> world.walls.set([0, 1], friction=[0.5, None], velocities=(0, 1))
+        >>> world.walls.friction
+        array([0.5, nan], dtype=float32)
+        """
+    @overload
+    def get(self, ids: _Id) -> Wall:
+        """Read all columns of one wall or some.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The walls; one may be given more than once.
+
+        Returns
+        -------
+        WallColumns or Wall
+            Copies of the columns by the names of the arguments of `add`, with a row for each id; single
+            values for one id. NaN in `friction` and `restitution` stands for that of the particle.
+
+        Raises
+        ------
+        TypeError
+            If `ids` does not hold integers.
+        ValueError
+            If no wall has an id.
+
+        Examples
+        --------
+        A copy of wall 0, in another place:
+
+        >>> import jostle
+        >>> world = jostle.World(walls=[((0, 0), (5, 0))])
+        >>> copy = world.walls.get(0).to_dict() | {"segments": ((0, 9), (5, 9))}
+        >>> world.walls.add(**copy)
+        1
+        """
+    @overload
+    def get(self, ids: _IdList) -> WallColumns: ...
+    @overload
+    def get(self, ids: _Undecided) -> Wall | WallColumns | Any: ...
+    @overload
+    def rows(self, ids: _Id) -> int:
+        """Return the rows that walls have in the columns.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, of any shape
+            The walls.
+
+        Returns
+        -------
+        ndarray of int64 of the same shape, or int
+            Their rows, until a wall before them is removed; one row for one id.
+
+        Raises
+        ------
+        TypeError
+            If `ids` does not hold integers.
+        ValueError
+            If no wall has an id.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(walls=[((0, 0), (5, 0)), ((5, 0), (5, 5))])
+        >>> world.walls.remove(0)
+        >>> world.walls.rows(1)
+        0
+        """
+    @overload
+    def rows(self, ids: _IdList | Sequence[_IdList]) -> _Ids: ...
+    @overload
+    def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
+    @property
+    def ids(self) -> _Ids:
+        """The ids of all walls, ascending: ndarray of int64, shape (m,), a read-only copy.
+
+        The wall in row k of every column has the id ``ids[k]``. ``id in world.walls`` is True if a wall
+        has the id.
+        """
+    @property
+    def segments(self) -> NDArray[np.float32]:
+        """The ends of the walls: ndarray of float32, shape (m, 2, 2), a read-only copy in units of length.
+
+        To move all walls, assign an array of this shape. A segment that is the present one in float32
+        keeps what rounding removed while the wall moved.
+        """
+    @segments.setter
+    def segments(self, value: ArrayLike) -> None: ...
+    @property
+    def velocities(self) -> NDArray[np.float32]:
+        """Velocities: ndarray of float32, shape (m, 2), a read-only copy in units of length per second.
+
+        A wall moves with its velocity in each step, so that `segments` has its new ends: pistons, paddles,
+        lifts. To change all, assign an array or one vector; to change some, use `set`.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(4, 0)], 1.0)
+        >>> piston = world.walls.add(((0, -2), (0, 2)), velocities=(2, 0))
+        >>> world.step(0.5, steps=4)  # they touch after 1.5 seconds
+        >>> world.velocities, world.walls.segments[:, 0]
+        (array([[4., 0.]], dtype=float32), array([[ 4., -2.]], dtype=float32))
+        """
+    @velocities.setter
+    def velocities(self, value: ArrayLike) -> None: ...
+    @property
+    def friction(self) -> NDArray[np.float32]:
+        """Coefficients of friction: ndarray of float32, shape (m,), a read-only copy.
+
+        NaN stands for the coefficient of the particle. To change all, assign an array, one number, or None
+        for NaN.
+        """
+    @friction.setter
+    def friction(self, value: ArrayLike | None) -> None: ...
+    @property
+    def restitution(self) -> NDArray[np.float32]:
+        """Coefficients of restitution, 0 to 1: ndarray of float32, shape (m,), a read-only copy.
+
+        NaN stands for the coefficient of the particle. To change all, assign an array, one number, or None
+        for NaN.
+        """
+    @restitution.setter
+    def restitution(self, value: ArrayLike | None) -> None: ...
+    @property
+    def one_way(self) -> NDArray[np.bool_]:
+        """Which walls stop only what comes from the left of start → end: ndarray of bool, shape (m,), a read-only
+        copy.
+
+        To change all, assign an array or one bool.
+
+        Examples
+        --------
+        A platform that a particle flies through on its way up, and lands on:
+
+        >>> import jostle
+        >>> world = jostle.World([(0, -2)], 1.0, velocities=(0, 9), gravity=(0, -10), restitution=0.25)
+        >>> platform = world.walls.add(((-3, 0), (3, 0)), one_way=True)
+        >>> world.step(1 / 60, steps=240)
+        >>> world.positions.round(3)
+        array([[0., 1.]], dtype=float32)
+        """
+    @one_way.setter
+    def one_way(self, value: ArrayLike) -> None: ...
+    @property
+    def categories(self) -> NDArray[np.uint32]:
+        """Categories: ndarray of uint32, shape (m,), a read-only copy of bit sets.
+
+        To change all, assign an array or one number.
+        """
+    @categories.setter
+    def categories(self, value: ArrayLike) -> None: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]:
+        """Masks: ndarray of uint32, shape (m,), a read-only copy of bit sets of the categories that each wall
+        may touch.
+
+        To change all, assign an array or one number.
+        """
+    @masks.setter
+    def masks(self, value: ArrayLike) -> None: ...
+    def __len__(self) -> int: ...
+    def __contains__(self, id: object, /) -> bool: ...
 
 @final
 class Box:
@@ -4733,7 +4983,7 @@ class Motor:
     ids : array_like of int, shape (k,), optional
         Ids of the immovable particles; if one is removed, the motor drives the others.
     walls : array_like of int, shape (m,), optional
-        Indices of the walls. Walls do not rotate.
+        Ids of the walls. Walls do not rotate.
     center : array_like, shape (2,), default (0.0, 0.0)
         The centre of the rotation, in units of length. It moves with `velocity`.
     angular_velocity : float, default 0.0
@@ -4754,7 +5004,7 @@ class Motor:
 
     See Also
     --------
-    World.walls : Their indices.
+    World.walls : The walls, with their ids.
 
     Notes
     -----
@@ -4779,7 +5029,7 @@ class Motor:
     >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
     >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
     >>> world.step(1 / 60, steps=120)
-    >>> world.walls[0].round(4).tolist()
+    >>> world.walls.get(0).segments.round(4).tolist()
     [[2.0, 0.0], [2.0, 10.0]]
     """
 
@@ -4799,7 +5049,7 @@ class Motor:
         """Ids of the particles that it drives: read-only ndarray of int64, shape (k,)."""
     @property
     def walls(self) -> NDArray[np.int64]:
-        """Indices of the walls that it drives: read-only ndarray of int64, shape (m,)."""
+        """Ids of the walls that it drives: read-only ndarray of int64, shape (m,)."""
     @property
     def center(self) -> NDArray[np.float64]:
         """The centre of the rotation at time 0, (x, y)."""
@@ -4889,7 +5139,7 @@ class ThermalWalls:
     seed : int, default 0
         Seed of the random numbers, below 2³².
     walls : array_like of int, shape (m,), optional
-        Indices of line segments in `World.walls`, which have the temperature on both sides. At a wall
+        Ids of line segments of `World.walls`, which have the temperature on both sides. At a wall
         that moves, the velocities are relative to it.
 
     Raises
@@ -4929,8 +5179,8 @@ class ThermalWalls:
 
     A hot plate in the middle of the box:
 
-    >>> world.walls = [((5, 10), (15, 10))]
-    >>> world.forces = [jostle.ThermalWalls(9.0, walls=[0])]
+    >>> plate = world.walls.add(((5, 10), (15, 10)))
+    >>> world.forces = [jostle.ThermalWalls(9.0, walls=[plate])]
     >>> world.step(1 / 60, steps=10)
     """
 
@@ -4954,7 +5204,7 @@ class ThermalWalls:
         """The seed of the random numbers."""
     @property
     def walls(self) -> tuple[int, ...]:
-        """The indices of the walls that have it: a tuple of int."""
+        """The ids of the walls that have it: a tuple of int."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...

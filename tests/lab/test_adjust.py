@@ -211,14 +211,14 @@ def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:
     assert simulation.adjust("wall_friction", 0.75) is None
     simulation.add_wall(Polyline(((0.0, 8.0), (9.0, 8.0))))
     expected = np.float32([0.1, 0.75, 0.75])
-    np.testing.assert_array_equal(simulation.world.wall_friction, expected)
+    np.testing.assert_array_equal(simulation.world.walls.friction, expected)
     again = Simulation.resume(simulation.save())
     assert again.effective_settings.wall_friction == 0.75
-    np.testing.assert_array_equal(again.world.wall_friction, expected)
+    np.testing.assert_array_equal(again.world.walls.friction, expected)
     again.remove_walls([0])
     again.add_wall(Polyline(((0.0, 2.0), (9.0, 2.0))))
-    assert again.world.wall_friction.tolist() == [0.75] * 3
-    assert "wall_friction" in str(simulation.adjust("wall_friction", -1.0))
+    assert again.world.walls.friction.tolist() == [0.75] * 3
+    assert "friction[0] is -1" in str(simulation.adjust("wall_friction", -1.0))
     assert simulation.settings.wall_friction == 0.75
 
 

@@ -255,10 +255,16 @@ friction = 0.25
 """
     simulation = start(read(tmp_path, text).settings)
     world = simulation.world
-    assert world.walls[:, 0].tolist() == [[10, 10], [60, 10], [5, 50], [20, 50], [20.5, 60]]
+    assert world.walls.segments[:, 0].tolist() == [
+        [10, 10],
+        [60, 10],
+        [5, 50],
+        [20, 50],
+        [20.5, 60],
+    ]
     nan = np.nan  # the coefficient of the disc
-    np.testing.assert_array_equal(world.wall_restitution, [0.5, 0.5, nan, nan, nan])
-    assert np.nan_to_num(world.wall_friction, nan=-1).tolist() == [-1, -1, 0.25, 0.25, 0.25]
+    np.testing.assert_array_equal(world.walls.restitution, [0.5, 0.5, nan, nan, nan])
+    assert np.nan_to_num(world.walls.friction, nan=-1).tolist() == [-1, -1, 0.25, 0.25, 0.25]
     frame = simulation.frame()
     assert frame.own_walls == len(frame.walls) == 5
 
@@ -271,7 +277,7 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     assert again.settings == simulation.settings and len(again.settings.walls) == 1
     frame = again.frame()
     assert (len(frame.walls), frame.own_walls) == (2, 1)
-    np.testing.assert_array_equal(again.world.wall_restitution, [0.5, np.nan])
+    np.testing.assert_array_equal(again.world.walls.restitution, [0.5, np.nan])
     for one in (simulation, again):
         one.step()
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
@@ -297,7 +303,7 @@ temperature = 4
     simulation.attract((Attractor(3.0, point=(1.0, 2.0)),))
     simulation.remove_walls([1, 3])
     motor, only, attractor = simulation.world.forces
-    assert motor.walls.tolist() == [1] and only == jostle.ThermalWalls(900, walls=[1])
+    assert motor.walls.tolist() == [2] and only == jostle.ThermalWalls(900, walls=[2])
     assert isinstance(attractor, jostle.Attractor)
     simulation.attract(())
     assert simulation.world.forces == (motor, only)
@@ -400,9 +406,9 @@ def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> N
     text = 'scene = "gas"\nn = 5\ncontainer = "torus"\n[[walls]]\npoints = [[-5, 0], [9, 9]]'
     simulation = start(read(tmp_path, text).settings)
     simulation.step()
-    assert simulation.world.walls.tolist() == [[[-5, 0], [9, 9]]]
+    assert simulation.world.walls.segments.tolist() == [[[-5, 0], [9, 9]]]
     long = text.replace("-5", "-5e4")
-    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls\[0\] is .* periodic"):
+    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: segments\[0\] .* periodic"):
         start(read(tmp_path, long).settings)
 
 

@@ -152,7 +152,7 @@ def test_the_slider_of_wall_friction_changes_drawn_walls(desk) -> None:
     here.slide("wall friction", 0.25)
     friction = here.session.settings.wall_friction
     assert 0.3 < friction < 0.6
-    assert here.world.wall_friction.tolist() == [np.float32(friction)]
+    assert here.world.walls.friction.tolist() == [np.float32(friction)]
 
 
 def test_the_slider_of_friction_changes_all_particles(desk) -> None:

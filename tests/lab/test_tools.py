@@ -99,22 +99,22 @@ def test_a_held_ball_is_not_pushed_through_a_wall_that_is_drawn() -> None:
 
 def test_drawn_walls_have_the_friction_of_their_slider() -> None:
     driver = beside_a_wall()
-    assert np.isnan(driver.world.wall_friction).all()  # that of the particles
+    assert np.isnan(driver.world.walls.friction).all()  # that of the particles
     driver.session.runner.adjust("wall_friction", 0.75)
     driver.drag((50, 450), (300, 450))
-    assert driver.world.wall_friction.tolist() == [0.75, 0.75]
+    assert driver.world.walls.friction.tolist() == [0.75, 0.75]
     driver.session.runner.adjust("wall_friction", 0.25)
-    assert driver.world.wall_friction.tolist() == [0.25, 0.25]
+    assert driver.world.walls.friction.tolist() == [0.25, 0.25]
 
 
 def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> None:
     simulation = start(Settings("gas", 0, walls=(Polyline(((10, 10), (50, 10), (90, 40))),)))
     driver = Driver(simulation)
-    own = driver.world.walls
+    own = driver.world.walls.segments
     driver.session.interaction.commands.wall((20, 20), (70, 70))
     assert driver.session.interaction.commands.drawn_walls.tolist() == [2]
     driver.session.interaction.commands.clear_walls()
-    np.testing.assert_array_equal(driver.world.walls, own)
+    np.testing.assert_array_equal(driver.world.walls.segments, own)
 
 
 def test_a_click_removes_the_wall_under_the_cursor_and_all_can_be_cleared() -> None:

@@ -231,9 +231,8 @@ def test_a_coefficient_as_large_as_it_may_be_prevents_sliding_and_nothing_else(
             gravity=(0, -9.8),
             restitution=0.5,
             friction=friction,
-            wall_friction=friction,
             container=jostle.Box(0, 0, 30, 30),
-            walls=[((20, 0), (30, 8))],
+            walls={"segments": [((20, 0), (30, 8))], "friction": friction},
         )
         world.step(1 / 60, steps=120)
         return world

@@ -13,36 +13,35 @@ WALLS = jostle.polyline([(0, 0), (4, 0), (4, 3)])
 
 
 def test_velocities_are_given_for_all_or_one_each() -> None:
-    world = jostle.World([], [], velocities=[], walls=WALLS, wall_velocities=(1, 2))
-    assert world.wall_velocities.dtype == np.float32
-    assert world.wall_velocities.tolist() == [[1, 2], [1, 2]]
+    world = jostle.World(walls={"segments": WALLS, "velocities": (1, 2)})
+    walls = world.walls
+    assert walls.velocities.dtype == np.float32
+    assert walls.velocities.tolist() == [[1, 2], [1, 2]]
     world.step(0.5, steps=4)
-    np.testing.assert_array_equal(world.walls, np.add(WALLS, (2, 4)))
-    world.wall_velocities = [(1, 0), (0, 0)]
-    world.walls = WALLS
-    assert world.wall_velocities.tolist() == [[1, 0], [0, 0]]
-    world.wall_velocities = None
-    assert world.wall_velocities.tolist() == [[0, 0], [0, 0]]
-    world.wall_velocities = np.array([3.0, 0.0])
-    assert world.wall_velocities.tolist() == [[3, 0], [3, 0]]
+    np.testing.assert_array_equal(walls.segments, np.add(WALLS, (2, 4)))
+    walls.velocities = [(1, 0), (0, 0)]
+    walls.segments = WALLS
+    assert walls.velocities.tolist() == [[1, 0], [0, 0]]
+    walls.velocities = np.array([3.0, 0.0])
+    assert walls.velocities.tolist() == [[3, 0], [3, 0]]
 
 
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        (5, r"wall_velocities has shape \(\).*\(2,\) or \(2, 2\)"),
-        ([(1, 2)] * 3, r"wall_velocities has shape \(3, 2\)"),
-        ([(1, 2), (np.nan, 0)], r"wall_velocities\[1\] is \(NaN, 0\)"),
-        ([(1, 2), (1e19, 0)], r"wall_velocities\[1\]"),
+        (5, r"velocities.* has shape \(\).*\(2,\) or \(2, 2\)"),
+        ([(1, 2)] * 3, r"velocities.* has shape \(3, 2\)"),
+        ([(1, 2), (np.nan, 0)], r"velocities.*\[1\] is \(NaN, 0\)"),
+        ([(1, 2), (1e19, 0)], r"velocities.*\[1\]"),
     ],
 )
 def test_wrong_velocities_are_refused(value: ArrayLike, message: str) -> None:
-    world = jostle.World([], [], velocities=[], walls=WALLS, wall_velocities=(1, 2))
+    world = jostle.World(walls={"segments": WALLS, "velocities": (1, 2)})
     with pytest.raises(ValueError, match=message):
-        world.wall_velocities = value  # type: ignore[assignment]
-    assert world.wall_velocities.tolist() == [[1, 2], [1, 2]]
+        world.walls.velocities = value  # type: ignore[assignment]
+    assert world.walls.velocities.tolist() == [[1, 2], [1, 2]]
     with pytest.raises(ValueError, match=message):
-        jostle.World([], [], velocities=[], walls=WALLS, wall_velocities=value)
+        jostle.World(walls={"segments": WALLS, "velocities": value})
 
 
 def test_a_snapshot_keeps_what_rounding_removed() -> None:
@@ -51,8 +50,7 @@ def test_a_snapshot_keeps_what_rounding_removed() -> None:
             [(30, 1)],
             1,
             velocities=[(-1, 0)],
-            walls=[((1000.1, -2), (1000.1, 4))],
-            wall_velocities=(-1 / 3, 0),
+            walls={"segments": [((1000.1, -2), (1000.1, 4))], "velocities": (-1 / 3, 0)},
         )
 
     world = make()
@@ -61,9 +59,9 @@ def test_a_snapshot_keeps_what_rounding_removed() -> None:
     halfway.step(0.1, steps=500)
     again = pickle.loads(pickle.dumps(halfway))
     again.step(0.1, steps=500)
-    np.testing.assert_array_equal(again.walls, world.walls)
+    np.testing.assert_array_equal(again.walls.segments, world.walls.segments)
     expected = np.float32(1000.1) + 100 * np.float64(np.float32(-1 / 3))
-    np.testing.assert_allclose(world.walls[0, 0, 0], expected, rtol=1e-7)
+    np.testing.assert_allclose(world.walls.segments[0, 0, 0], expected, rtol=1e-7)
 
 
 def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, float]:
@@ -87,7 +85,7 @@ def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, f
     )
     world.step(1.0, steps=5)
     before = world.kinetic_energy()
-    world.wall_velocities = (-speed, 0)
+    world.walls.velocities = (-speed, 0)
     seconds = side * (1 - ratio) / speed
     world.step(seconds / 200, steps=200)
     assert world.positions[:, 0].max() < side * ratio - 0.99 * radius

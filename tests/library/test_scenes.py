@@ -151,7 +151,8 @@ def test_the_galton_board_is_where_it_says() -> None:
     assert (view[0], view[2]) == (board.bin_edges[0], board.bin_edges[-1])
     assert view[3] == board.floor > board.bin_top > 0
     assert world.radii[world.movable].tolist() == pytest.approx([board.ball_radius] * 200)
-    bins = world.walls[world.walls[:, :, 1].min(axis=1) >= board.bin_top]
+    walls = world.walls.segments
+    bins = walls[walls[:, :, 1].min(axis=1) >= board.bin_top]
     assert (bins[:, 0, 0] == bins[:, 1, 0]).all()
     np.testing.assert_array_equal(bins[:, 0, 0], board.bin_edges[1:-1])
 
@@ -187,11 +188,11 @@ def test_machines_keep_discs_inside_and_moving(name: str, n: int, seconds: int) 
 
 def test_the_piston_heats_the_gas_and_cools_it() -> None:
     world = scenes.create("piston", 400)
-    length = world.walls[0, 0, 0]
+    length = world.walls.segments[0, 0, 0]
     energy = world.kinetic_energy()
     world.step(1 / 60, steps=480)
-    assert world.walls[0, 0, 0] == pytest.approx(length / 2, rel=1e-4)
-    assert (world.positions[:, 0] < world.walls[0, 0, 0]).all()
+    assert world.walls.segments[0, 0, 0] == pytest.approx(length / 2, rel=1e-4)
+    assert (world.positions[:, 0] < world.walls.segments[0, 0, 0]).all()
     # For points the adiabatic factor is 2; it is larger for a covered area of 1/5 to 2/5.
     assert 3 < world.kinetic_energy() / energy < 5
     world.step(1 / 60, steps=480)

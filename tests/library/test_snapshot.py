@@ -94,7 +94,7 @@ def test_files_of_this_format_can_be_loaded() -> None:
     assert json.loads(str(world.attachment)) == {"name": "µ"}
     assert world.add((1, 1), 0.5) == 12 and world.radii[-1] == 0.5
     world = jostle.World.load(FILES / "snapshot-forces.jostle")
-    assert len(world.forces) == 9 and world.wall_velocities.tolist() == [[0.25, 0], [0, 0]]
+    assert len(world.forces) == 9 and world.walls.velocities.tolist() == [[0.25, 0], [0, 0]]
     assert world.sensors.tolist() == [False, True, False, False, False, False]
 
 
@@ -155,10 +155,10 @@ def test_worlds_with_enormous_impulses_can_be_restored() -> None:
 
 def test_walls_that_were_stopped_keep_what_rounding_removed() -> None:
     """A restored world continues with the same bits."""
-    walls = [((-5, 5), (5, 5.3))]
-    world = jostle.World([(0, 0)], 1.0, velocities=[(0, 3)], walls=walls, wall_velocities=(0, -0.1))
+    walls = {"segments": [((-5, 5), (5, 5.3))], "velocities": (0, -0.1)}
+    world = jostle.World([(0, 0)], 1.0, velocities=[(0, 3)], walls=walls)
     world.step(1 / 60, steps=10)
-    world.wall_velocities = None
+    world.walls.velocities = (0, 0)
     other = jostle.World.restore(world.snapshot())
     for each in (world, other):
         each.step(1 / 60, steps=120)

@@ -1,4 +1,4 @@
-"""`World.walls`, `wall_restitution`, `wall_friction`, `polyline` and the sides of containers."""
+"""Walls of a new world, `polyline` and the sides of containers."""
 
 import re
 from typing import Any
@@ -9,6 +9,7 @@ import pytest
 import jostle
 
 BOX = jostle.Box(0, 0, 10, 10)
+ONE: dict[str, Any] = {"segments": [[(0, 0), (0, 1)]]}
 
 
 def test_polyline_joins_points() -> None:
@@ -26,23 +27,25 @@ def test_polyline_joins_points() -> None:
 
 def test_walls_are_a_column() -> None:
     walls = jostle.polyline([(-5, 0), (0, 0), (5, 0)])
-    world = jostle.World([(0, 3)], 1.0, walls=walls, wall_restitution=[0.5, 1])
-    np.testing.assert_array_equal(world.walls, walls)
-    assert world.walls.dtype == np.float32 and not world.walls.flags.writeable
-    assert world.wall_restitution.tolist() == [0.5, 1]
-    assert np.isnan(world.wall_friction).all()
-    world.wall_friction = 0.25
-    world.walls = [*walls, ((0, 9), (1, 9))]
-    np.testing.assert_array_equal(world.wall_restitution, [0.5, 1, np.nan])
-    np.testing.assert_array_equal(world.wall_friction, [0.25, 0.25, np.nan])
-    world.wall_friction = None
-    world.wall_restitution = 0.5
-    assert np.isnan(world.wall_friction).all() and (world.wall_restitution == 0.5).all()
-    again = jostle.World.restore(world.snapshot())
-    np.testing.assert_array_equal(again.walls, world.walls)
-    np.testing.assert_array_equal(again.wall_restitution, world.wall_restitution)
-    world.walls = None
-    assert world.walls.shape == (0, 2, 2)
+    columns = {"segments": walls, "restitution": [0.5, 1], "velocities": (0, 1)}
+    world = jostle.World([(0, 3)], 1.0, walls=columns)
+    np.testing.assert_array_equal(world.walls.segments, walls)
+    assert world.walls.segments.dtype == np.float32
+    assert not world.walls.segments.flags.writeable
+    assert world.walls.restitution.tolist() == [0.5, 1]
+    assert world.walls.velocities.tolist() == [[0, 1], [0, 1]]
+    assert np.isnan(world.walls.friction).all()
+    world.walls.friction = 0.25
+    world.walls.add(((0, 9), (1, 9)))
+    np.testing.assert_array_equal(world.walls.restitution, [0.5, 1, np.nan])
+    np.testing.assert_array_equal(world.walls.friction, [0.25, 0.25, np.nan])
+    world.walls.friction = None
+    world.walls.restitution = 0.5
+    assert np.isnan(world.walls.friction).all() and (world.walls.restitution == 0.5).all()
+    copied = jostle.World(walls=world.walls.get(world.walls.ids).to_dict())
+    assert copied.walls.get([0, 1, 2]) == world.walls.get([0, 1, 2])
+    world.walls.remove(world.walls.ids)
+    assert world.walls.segments.shape == (0, 2, 2)
 
 
 @pytest.mark.parametrize(
@@ -51,9 +54,13 @@ def test_walls_are_a_column() -> None:
         ({"walls": [(0, 0), (1, 0)]}, "walls has shape (2, 2); it must be (m, 2, 2)"),
         ({"walls": [[(0, 0), (0, 0)]]}, "walls[0] is ((0, 0), (0, 0)); its ends must differ"),
         ({"walls": [[(0, 0), (0, np.inf)]]}, "walls[0] is ((0, 0), (0, inf)); its coordinates"),
-        ({"walls": [[(0, 0), (0, 1)]], "wall_restitution": 1.5}, "wall_restitution[0] is 1.5; it"),
-        ({"walls": [[(0, 0), (0, 1)]], "wall_restitution": [-1]}, "wall_restitution[0] is -1; it"),
-        ({"walls": [[(0, 0), (0, 1)]], "wall_friction": -1}, "wall_friction[0] is -1; it must be"),
+        ({"walls": {**ONE, "restitution": 1.5}}, "walls['restitution'][0] is 1.5; it"),
+        ({"walls": {**ONE, "restitution": [-1]}}, "walls['restitution'][0] is -1; it"),
+        ({"walls": {**ONE, "friction": -1}}, "walls['friction'][0] is -1; it must be"),
+        ({"walls": {**ONE, "velocities": [(0, np.nan)]}}, "walls['velocities'][0] is (0, NaN)"),
+        ({"walls": {**ONE, "velocities": 3}}, "walls['velocities'] has shape ()"),
+        ({"walls": {"segments": [(0, 0)]}}, "walls['segments'] has shape (1, 2)"),
+        ({"walls": {"segments": [[(1, 2)] * 2]}}, "walls['segments'][0] is ((1, 2), (1, 2))"),
         (
             {"walls": [[(0, 0), (0, 9.5)]], "period": 9},
             "walls[0] is ((0, 0), (0, 9.5)); in a periodic world a wall may extend over each side",
@@ -69,8 +76,13 @@ def test_a_refused_change_leaves_the_walls() -> None:
     walls = jostle.polyline([(-5, 0), (5, 0)])
     world = jostle.World([(0, 3)], 1.0, walls=walls)
     with pytest.raises(ValueError, match="its ends must differ"):
-        world.walls = np.zeros((1, 2, 2))
-    np.testing.assert_array_equal(world.walls, walls)
+        world.walls.segments = np.zeros((1, 2, 2))
+    np.testing.assert_array_equal(world.walls.segments, walls)
+    with pytest.raises(AttributeError, match="walls"):
+        world.walls = walls  # type: ignore[misc, assignment]
+    for columns, text in (({"friction": 1}, "no 'segments'"), ({**ONE, "masses": 1}, "'masks'")):
+        with pytest.raises(TypeError, match=text):
+            jostle.World(walls=columns)
 
 
 def test_each_side_of_a_container_has_a_number_and_a_restitution() -> None:

@@ -234,8 +234,17 @@ def test_a_column_needs_positions() -> None:
 SETTABLE = [
     *("positions", "velocities", "radii", "masses", "angles", "angular_velocities", "friction"),
     *("restitution", "movable", "sensors", "kinds", "categories", "masks", "gravity", "drag"),
-    *("container", "period", "walls", "wall_velocities", "wall_restitution", "wall_friction"),
-    *("forces", "on_touch", "sleeping", "substeps", "track_events", "method", "threads"),
+    *(
+        "container",
+        "period",
+        "forces",
+        "on_touch",
+        "sleeping",
+        "substeps",
+        "track_events",
+        "method",
+        "threads",
+    ),
     *("leaf_capacity", "max_depth", "accelerations", "attachment"),
 ]
 
@@ -249,8 +258,19 @@ def test_what_is_read_can_be_assigned_without_a_change(scene: str) -> None:
         one.step(1 / 60, steps=500)
     asleep = world.asleep
     assert asleep.any() or scene == "conveyor"
-    for name in SETTABLE:
-        setattr(world, name, getattr(world, name))
+    of_walls = (
+        "segments",
+        "velocities",
+        "friction",
+        "restitution",
+        "one_way",
+        "categories",
+        "masks",
+    )
+    for owner, name in [(world, name) for name in SETTABLE] + [
+        (world.walls, of) for of in of_walls
+    ]:
+        setattr(owner, name, getattr(owner, name))
         assert (world.asleep == asleep).all(), name
         assert world.state_hash() == same.state_hash(), name
     for one in (world, same):

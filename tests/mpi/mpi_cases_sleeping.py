@@ -83,8 +83,8 @@ def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
         ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
         ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
         ("the static disc is removed", lambda w, own: w.remove(own(static))),
-        ("a moving wall", lambda w, own: setattr(w, "wall_velocities", [(0.0, 0.4)])),
-        ("a wall that stops", lambda w, own: setattr(w, "wall_velocities", [(0.0, 0.0)])),
+        ("a moving wall", lambda w, own: setattr(w.walls, "velocities", [(0.0, 0.4)])),
+        ("a wall that stops", lambda w, own: setattr(w.walls, "velocities", [(0.0, 0.0)])),
         ("gravity", lambda w, own: setattr(w, "gravity", (0.0, -9.0))),
         ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
         (

@@ -84,8 +84,8 @@ COLUMNS = (
 REST: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": False}
 
 SETTINGS = (
-    *("gravity", "drag", "container", "period", "walls", "wall_velocities"),
-    *("wall_restitution", "wall_friction", "forces", "on_touch", "sleeping", "track_events"),
+    *("gravity", "drag", "container", "period", "forces", "on_touch", "sleeping"),
+    "track_events",
 )
 
 
@@ -111,6 +111,7 @@ def scattered(
     mine = parts(len(world), where)
     columns = {name: getattr(world, name)[mine] for name in COLUMNS}
     settings: dict[str, Any] = {name: getattr(world, name) for name in SETTINGS}
+    settings["walls"] = world.walls.get(world.walls.ids).to_dict()
     settings["forces"] = [
         jostle.PairForce(force.kinds[mine], force.table, force.cutoff, force.damping)
         if isinstance(force, jostle.PairForce)

@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyTuple};
+use pyo3::types::PyDict;
 
 use crate::arrays::{Argument, Given, column, decimal, number, point, read_only, table};
 use crate::error::refused;
@@ -407,18 +407,9 @@ fn clip<'py>(
 /// A coefficient for each side, from a number or four; None, or NaN, is that of the particle.
 fn of_sides(name: &'static str, value: Option<&Bound<'_, PyAny>>) -> PyResult<[Option<f32>; 4]> {
     let Some(value) = value else { return Ok([None; 4]) };
-    let plain = value.is_instance_of::<PyTuple>() || value.is_instance_of::<PyList>();
-    let each = if plain {
-        // NumPy would make objects of a list with None.
-        let number = |side: Bound<'_, PyAny>| -> PyResult<f64> {
-            if side.is_none() { Ok(f64::NAN) } else { side.extract() }
-        };
-        let all = value.try_iter()?.map(|side| number(side?)).collect::<PyResult<Vec<_>>>()?;
-        walls::coefficients(name, Some(PyTuple::new(value.py(), all)?.as_any()), 4)?
-    } else {
-        walls::coefficients(name, Some(value), 4)?
-    };
-    Ok([0, 1, 2, 3].map(each))
+    let each = walls::coefficients(name, value, 4)?;
+    let some = |side: usize| Some(each.at(side)).filter(|value| !value.is_nan());
+    Ok([0, 1, 2, 3].map(some))
 }
 
 /// The coefficients of the sides of a container.

@@ -62,7 +62,9 @@ mod _core {
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
-    use super::world::{PyWorld, begin_hash, checksum, hash_parts, hash_records, record_fields};
+    use super::world::{
+        PyWalls, PyWorld, begin_hash, checksum, hash_parts, hash_records, record_fields,
+    };
 
     /// Lets small calls wake other threads. For tests.
     #[pyfunction]

@@ -7,14 +7,14 @@ use jostle_index::query::{Hits, Neighbors, RayHits};
 use jostle_index::{Scalar, Shape};
 use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
-use jostle_world::{Particles, Spin, Totals, Touch, TouchEvents, WallTouch};
+use jostle_world::{Particles, Spin, Surface, Totals, Touch, TouchEvents, Wall, WallTouch};
 use numpy::{Element, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
-use crate::arrays::{Widen, column, decimal, long, matrix, table};
+use crate::arrays::{Widen, column, decimal, long, matrix, segments, table};
 use crate::error::refused;
 use crate::interrupt::detached;
 
@@ -136,6 +136,27 @@ value!(f32, decimal);
 value!(u8, u8::from);
 value!(u32, u32::from);
 value!(bool, bool::from);
+
+/// `jostle.WallColumns`, or `jostle.Wall` of a `single` one.
+pub fn walls<'py>(py: Python<'py>, all: &[Wall], single: bool) -> PyResult<Bound<'py, PyAny>> {
+    static CLASSES: [PyOnceLock<Py<PyAny>>; 2] = [PyOnceLock::new(), PyOnceLock::new()];
+    let ends = segments(py, &listed(all.iter().map(|wall| wall.ends))?)?.into_any();
+    let surface = |of: fn(&Surface) -> Option<f32>| {
+        listed(all.iter().map(|wall| of(&wall.surface).unwrap_or(f32::NAN)))
+    };
+    let fields = [
+        if single { ends.get_item(0)? } else { ends },
+        field(py, listed(all.iter().map(|wall| wall.velocity))?, single)?,
+        field(py, surface(|of| of.friction)?, single)?,
+        field(py, surface(|of| of.restitution)?, single)?,
+        field(py, listed(all.iter().map(|wall| wall.is_one_way))?, single)?,
+        field(py, listed(all.iter().map(|wall| wall.filter.category))?, single)?,
+        field(py, listed(all.iter().map(|wall| wall.filter.mask))?, single)?,
+    ];
+    let class = if single { "Wall" } else { "WallColumns" };
+    let class = CLASSES[usize::from(single)].import(py, "jostle.results", class)?;
+    class.call1(PyTuple::new(py, fields)?)
+}
 
 /// `jostle.Shapes`, or `jostle.Shape` of a `single` one.
 pub fn shapes<'py, T: Element + Scalar>(

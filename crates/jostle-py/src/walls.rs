@@ -1,75 +1,185 @@
-//! The walls of a world as arrays.
+//! The columns of the walls of a world as arguments and results.
 
-use jostle_base::memory;
+use jostle_base::{Error, memory};
 use jostle_index::Each;
 use jostle_world::Wall;
-use numpy::{PyArray1, PyArray2, PyArray3};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyTuple};
 
-use crate::arrays::{Argument, column, read_only, reals, segments, table};
+use crate::arrays::{Argument, Maybe};
 use crate::error::refused;
+use crate::keywords::Keywords;
 
-/// Walls with the coefficients of the particles, from an array of shape (m, 2, 2) or None.
-pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<Wall>> {
-    let Some(value) = value else { return Ok(Vec::new()) };
-    let ends = Argument::reals("walls", value)?.segments()?;
+/// The ends of a wall.
+pub type Segment = [[f32; 2]; 2];
+
+/// The name of a column in errors.
+pub type Named = fn(&'static str) -> &'static str;
+
+/// In calls that take columns as arguments.
+pub fn as_it_is(column: &'static str) -> &'static str {
+    column
+}
+
+/// If a world gets the columns as one argument.
+fn in_walls(column: &'static str) -> &'static str {
+    match column {
+        "segments" => "walls['segments']",
+        "velocities" => "walls['velocities']",
+        "friction" => "walls['friction']",
+        "restitution" => "walls['restitution']",
+        "one_way" => "walls['one_way']",
+        "categories" => "walls['categories']",
+        "masks" => "walls['masks']",
+        other => other,
+    }
+}
+
+/// The columns that a call is given, those of one wall or of many.
+#[derive(Default)]
+pub struct Columns {
+    pub segments: Option<Vec<Segment>>,
+    velocities: Option<Each<[f32; 2]>>,
+    friction: Option<Each<f32>>,
+    restitution: Option<Each<f32>>,
+    one_way: Option<Each<bool>>,
+    categories: Option<Each<u32>>,
+    masks: Option<Each<u32>>,
+}
+
+impl Columns {
+    /// Those among the keywords of a call, for `len` walls, or for the wall of a single id. `named` has their names in
+    /// errors.
+    pub fn read(
+        keywords: &mut Keywords<'_>,
+        (len, single): (usize, bool),
+        named: Named,
+    ) -> PyResult<Self> {
+        let segments = keywords.take_some("segments")?;
+        let segments = segments.map(|value| segments_of(&value, len, single)).transpose()?;
+        let vector = |value: Bound<'_, PyAny>| {
+            let value = Argument::reals(named("velocities"), &value)?;
+            if single { value.only_pair("wall").map(Each::One) } else { value.one_or_pairs(len) }
+        };
+        let velocities = keywords.take_some("velocities")?.map(vector).transpose()?;
+        // None has a meaning here: the coefficient of the particle.
+        let mut surface = |name| {
+            let value = keywords.take(name)?;
+            value.map(|value| coefficients(named(name), &value, len)).transpose()
+        };
+        let (friction, restitution) = (surface("friction")?, surface("restitution")?);
+        let one_way = keywords.take_some("one_way")?;
+        let one_way = one_way
+            .map(|value| Argument::booleans(named("one_way"), &value)?.truth_each(len))
+            .transpose()?;
+        let mut bits = |name| {
+            let value = keywords.take_some(name)?;
+            value.map(|value| Argument::integers(named(name), &value)?.bits_each(len)).transpose()
+        };
+        let (categories, masks) = (bits("categories")?, bits("masks")?);
+        Ok(Self { segments, velocities, friction, restitution, one_way, categories, masks })
+    }
+
+    /// A single column of all `len` walls.
+    pub fn read_one(name: &str, value: Bound<'_, PyAny>, len: usize) -> PyResult<Self> {
+        let only = PyDict::new(value.py());
+        only.set_item(name, value)?;
+        Self::read(&mut Keywords::of("Walls", Some(&only))?, (len, false), as_it_is)
+    }
+
+    /// Writes them into walls.
+    pub fn write(&self, walls: &mut [Wall]) {
+        fn put<V: Copy>(
+            column: &Option<Each<V>>,
+            walls: &mut [Wall],
+            write: impl Fn(&mut Wall, V),
+        ) {
+            if let Some(column) = column {
+                (0..).zip(walls).for_each(|(row, wall)| write(wall, column.at(row)));
+            }
+        }
+        if let Some(segments) = &self.segments {
+            segments.iter().zip(&mut *walls).for_each(|(&ends, wall)| wall.ends = ends);
+        }
+        let some = |value: f32| Some(value).filter(|value| !value.is_nan());
+        put(&self.velocities, walls, |wall, velocity| wall.velocity = velocity);
+        put(&self.friction, walls, |wall, value| wall.surface.friction = some(value));
+        put(&self.restitution, walls, |wall, value| wall.surface.restitution = some(value));
+        put(&self.one_way, walls, |wall, is_one_way| wall.is_one_way = is_one_way);
+        put(&self.categories, walls, |wall, bits| wall.filter.category = bits);
+        put(&self.masks, walls, |wall, bits| wall.filter.mask = bits);
+    }
+}
+
+/// The walls of a new world, from an array of shape (m, 2, 2), a dict of columns, or None, and the names of columns in
+/// errors.
+pub fn read(value: Maybe<'_, '_>) -> PyResult<(Vec<Wall>, Named)> {
+    let Some(value) = value else { return Ok((Vec::new(), as_it_is)) };
+    let Ok(columns) = value.cast::<PyDict>() else {
+        let walls = new(Argument::reals("walls", value)?.segments()?)?;
+        return Ok((walls, |column| if column == "segments" { "walls" } else { column }));
+    };
+    let Some(segments) = columns.get_item("segments")? else {
+        return Err(PyTypeError::new_err("walls has no 'segments'"));
+    };
+    let (ends, single) = one_or_many(in_walls("segments"), &segments)?;
+    let mut keywords = Keywords::of("World(walls=)", Some(columns))?;
+    let columns = Columns::read(&mut keywords, (ends.len(), single), in_walls)?;
+    keywords.end()?;
+    let mut walls = new(ends)?;
+    columns.write(&mut walls);
+    Ok((walls, in_walls))
+}
+
+/// Walls between pairs of points, with defaults.
+pub fn new(ends: Vec<Segment>) -> PyResult<Vec<Wall>> {
     memory::collect(ends.into_iter().map(Wall::new)).map_err(refused)
 }
 
-/// Sets the velocities: one vector for all walls or one for each; None is 0.
-pub fn set_velocities(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    let given = value.map(|value| Argument::reals("wall_velocities", value)).transpose()?;
-    let each = given.map_or(Ok(Each::One([0.0; 2])), |given| given.one_or_pairs(walls.len()))?;
-    (0..).zip(walls).for_each(|(row, wall)| wall.velocity = each.at(row));
-    Ok(())
+/// An error of the core about walls, with other names.
+pub fn renamed(error: Error, named: Named) -> Error {
+    match error {
+        Error::Value { argument, index, value, rule } => {
+            Error::Value { argument: named(argument), index, value, rule }
+        }
+        other => other,
+    }
 }
 
-/// Sets the coefficients of restitution: one number for all walls or one for each; None, or NaN for
-/// one wall, is that of the particle.
-pub fn set_restitution(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    let each = coefficients("wall_restitution", value, walls.len())?;
-    (0..).zip(walls).for_each(|(row, wall)| wall.surface.restitution = each(row));
-    Ok(())
+/// The segments of new walls, and whether the argument is a single one.
+pub fn one_or_many(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<(Vec<Segment>, bool)> {
+    let value = Argument::reals(name, value)?;
+    let single = value.is_segment();
+    Ok((if single { value.only_segment()? } else { value.segments()? }, single))
 }
 
-/// As [`set_restitution`], for coefficients of friction.
-pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    let each = coefficients("wall_friction", value, walls.len())?;
-    (0..).zip(walls).for_each(|(row, wall)| wall.surface.friction = each(row));
-    Ok(())
+/// The segments of `len` walls, or of a single one.
+fn segments_of(value: &Bound<'_, PyAny>, len: usize, single: bool) -> PyResult<Vec<Segment>> {
+    let value = Argument::reals("segments", value)?;
+    if single {
+        return value.only_segment();
+    }
+    let all = value.segments()?;
+    if all.len() == len { Ok(all) } else { Err(value.wrong_shape(&format!("({len}, 2, 2)"))) }
 }
 
-/// A coefficient for each of `len` surfaces. The core checks them.
+/// A coefficient for each of `len` surfaces, NaN for None. The core checks them.
 pub fn coefficients(
     name: &'static str,
-    value: Option<&Bound<'_, PyAny>>,
+    value: &Bound<'_, PyAny>,
     len: usize,
-) -> PyResult<impl Fn(usize) -> Option<f32> + use<>> {
-    let each = reals::<f32>(name, value, len)?;
-    Ok(move |row: usize| each.as_ref().map(|each| each.at(row)).filter(|v| !v.is_nan()))
-}
-
-/// The ends of walls, shape (m, 2, 2).
-pub fn ends<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let ends: Vec<_> = walls.iter().map(|wall| wall.ends).collect();
-    Ok(read_only(segments(py, &ends)?))
-}
-
-/// Their velocities.
-pub fn velocities<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    Ok(read_only(table(py, walls.iter().map(|wall| wall.velocity).collect())?))
-}
-
-/// Their coefficients of restitution; NaN for that of the particle.
-pub fn restitution<'py>(py: Python<'py>, walls: &[Wall]) -> Bound<'py, PyArray1<f32>> {
-    read_only(column(py, shown(walls, |wall| wall.surface.restitution)))
-}
-
-/// Their coefficients of friction; NaN for that of the particle.
-pub fn friction<'py>(py: Python<'py>, walls: &[Wall]) -> Bound<'py, PyArray1<f32>> {
-    read_only(column(py, shown(walls, |wall| wall.surface.friction)))
-}
-
-fn shown(walls: &[Wall], of: impl Fn(&Wall) -> Option<f32>) -> Vec<f32> {
-    walls.iter().map(|wall| of(wall).unwrap_or(f32::NAN)).collect()
+) -> PyResult<Each<f32>> {
+    let py = value.py();
+    if value.is_none() {
+        return Ok(Each::One(f32::NAN));
+    }
+    if !(value.is_instance_of::<PyTuple>() || value.is_instance_of::<PyList>()) {
+        return Argument::reals(name, value)?.real_each(len);
+    }
+    // NumPy would make objects of a list with None.
+    let nan = f64::NAN.into_pyobject(py)?.into_any();
+    let mut all = value.try_iter()?.collect::<PyResult<Vec<_>>>()?;
+    all.iter_mut().filter(|value| value.is_none()).for_each(|value| value.clone_from(&nan));
+    Argument::reals(name, PyList::new(py, all)?.as_any())?.real_each(len)
 }

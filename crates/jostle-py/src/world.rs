@@ -11,10 +11,11 @@ mod snapshots;
 mod state;
 mod steps;
 mod touches;
+mod wall_view;
 
 use std::time::Duration;
 
-use jostle_world::{Changes, Container, Stage, Wall, World, WorldSettings};
+use jostle_world::{Changes, Container, Stage, World, WorldSettings};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -31,6 +32,7 @@ use crate::particles::{self, Arguments};
 use crate::settings;
 use crate::walls;
 pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
+pub use wall_view::PyWalls;
 
 /// Particles: discs that move, collide and bounce off walls.
 ///
@@ -77,8 +79,8 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 ///     Kinds of the particles in each `PairForce`, from 0 to 63.
 /// categories, masks : array_like of int, a number or shape (n,), default 1 and all bits
 ///     Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-///     ``categories[j] & masks[i]``; others pass through each other at no cost. Walls, the container
-///     and forces do not depend on them.
+///     ``categories[j] & masks[i]``; others pass through each other at no cost. Walls have categories
+///     and masks, too. The container and forces do not depend on them.
 /// gravity : array_like, shape (2,), default (0.0, 0.0)
 ///     Acceleration, in units of length per second squared.
 /// drag : float, default 0.0
@@ -89,18 +91,13 @@ pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 /// period : float or array_like, shape (2,), optional
 ///     Width and height of a periodic plane, in place of a container: a particle that leaves on one
 ///     side enters on the other. Positions are from 0 to the period.
-/// walls : array_like, shape (m, 2, 2), optional
+/// walls : array_like, shape (m, 2, 2), or dict, optional
 ///     Line segments, solid from both sides, from one end to the other; `polyline` makes
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
 ///     a wall is pushed out in several steps. On a periodic plane walls act across its sides,
-///     and a wall may extend over each side once at most.
-/// wall_velocities : array_like, shape (2,) or (m, 2), optional
-///     Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
-///     particles and are not pushed. Walls that share an end should have the same velocity. Nothing
-///     falls asleep while a wall moves.
-/// wall_restitution, wall_friction : array_like, a number or shape (m,), optional
-///     Coefficients of the walls. A contact has the square root of the product with
-///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
+///     and a wall may extend over each side once at most. Or a dict of the arguments of
+///     `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `one_way`,
+///     `categories` and `masks`. The walls have the ids 0, 1, 2, ...
 /// forces : sequence of forces, default ()
 ///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
 ///     `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
@@ -202,7 +199,6 @@ impl PyWorld {
                           angles=0.0, angular_velocities=0.0, friction=0.0, restitution=1.0, \
                           movable=True, sensors=False, kinds=0, categories=1, masks=4294967295, \
                           gravity=(0.0, 0.0), drag=0.0, container=None, period=None, walls=None, \
-                          wall_velocities=None, wall_restitution=None, wall_friction=None, \
                           forces=(), on_touch='bounce', sleeping=True, substeps=None, \
                           track_events=False, method='quadtree', threads=None, \
                           leaf_capacity=96, max_depth=4096)"
@@ -216,14 +212,14 @@ impl PyWorld {
         let mut keywords = Keywords::of("World()", keywords)?;
         let arguments = Arguments { radii: radii.cloned(), ..Arguments::of(&mut keywords)? };
         let rules = read_rules(&mut keywords)?;
-        let walls = read_walls(&mut keywords)?;
+        let (walls, named) = walls::read(keywords.take_some("walls")?.as_ref())?;
         let forces = keywords.take("forces")?;
         keywords.end()?;
         let forces = forces.map_or(Ok(Forces::default()), |all| Forces::read(&all))?;
         let (columns, len) = read_particles(positions, arguments)?;
         let world = py.detach(|| {
             let mut world = World::new(particles::particles(&columns, len)?, rules)?;
-            world.set_walls(walls)?;
+            world.add_walls(&walls).map_err(|error| walls::renamed(error, named))?;
             forces.assign(&mut world)?;
             Ok(world)
         });
@@ -335,13 +331,4 @@ fn read_rules(keywords: &mut Keywords<'_>) -> PyResult<WorldSettings> {
         track_events: settings::track_events(&track_events)?,
         tree: settings::tree(&leaf_capacity, &max_depth, threads.as_ref())?,
     })
-}
-
-/// The walls of a new world.
-fn read_walls(keywords: &mut Keywords<'_>) -> PyResult<Vec<Wall>> {
-    let mut all = walls::read(keywords.take_some("walls")?.as_ref())?;
-    walls::set_velocities(&mut all, keywords.take_some("wall_velocities")?.as_ref())?;
-    walls::set_restitution(&mut all, keywords.take_some("wall_restitution")?.as_ref())?;
-    walls::set_friction(&mut all, keywords.take_some("wall_friction")?.as_ref())?;
-    Ok(all)
 }

@@ -8,7 +8,7 @@ use super::start::{Start, area_of, boxed, direction, side_for};
 use jostle_base::error::Result;
 use jostle_base::memory;
 use jostle_world::container::Container;
-use jostle_world::forces::{Influence, Motor};
+use jostle_world::forces::{Influence, Motor, WallIds};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
 use jostle_world::world::WorldSettings;
@@ -18,7 +18,7 @@ const GRAVITY: f32 = 900.0;
 /// A motor without particles, walls or motion.
 pub(crate) const MOTOR: Motor = Motor {
     ids: Vec::new(),
-    walls: Vec::new(),
+    walls: WallIds(Vec::new()),
     center: [0.0; 2],
     angular_velocity: 0.0,
     velocity: [0.0; 2],
@@ -62,7 +62,7 @@ pub(crate) fn piston(n: usize, random: &mut Random) -> Result<Start> {
     // Half of the period in either direction: the stroke over half a period.
     let velocity = [-2.0 * STROKE * length / PISTON_PERIOD, 0.0];
     Ok(start.with(Influence::Motor(Motor {
-        walls: vec![0, 1],
+        walls: WallIds(vec![0, 1]),
         velocity,
         period: PISTON_PERIOD,
         ..MOTOR

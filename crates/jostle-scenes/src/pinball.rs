@@ -6,7 +6,7 @@ use super::random::Random;
 use super::start::{Start, boxed, direction};
 use jostle_base::error::Result;
 use jostle_base::memory;
-use jostle_world::forces::{Influence, Motor};
+use jostle_world::forces::{Influence, Motor, WallIds};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
 use jostle_world::world::WorldSettings;
@@ -98,14 +98,14 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
         start = start.walled(&side(&TOP)).walled(&side(&GUIDE)).walled(&side(&SLINGSHOT));
     }
     start.walls.iter_mut().for_each(|wall| wall.surface.restitution = Some(0.49));
-    let floor = start.walls.len() as u32;
+    let floor = start.walls.len() as i64;
     // Slightly shorter than the distance between the guides, so that it touches neither.
     let (y, inset) = (0.96 * scale(n) * TABLE[1], 0.3 * BALL);
     let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
     start.walls.push(Wall { surface: elastic, ..Wall::new(ends.map(|x| [x, y])) });
     start.forces.extend(flippers.map(Influence::Motor));
     Ok(start.with(Influence::Motor(Motor {
-        walls: vec![floor],
+        walls: WallIds(vec![floor]),
         velocity: [0.0, -FLOOR_SPEED],
         period: FLOOR_PERIOD,
         ..MOTOR

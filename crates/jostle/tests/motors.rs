@@ -4,15 +4,15 @@ use std::f64::consts::{PI, TAU};
 
 use jostle_base::Method;
 use jostle_scenes::random::Random;
-use jostle_world::forces::{Influence, Motor};
+use jostle_world::forces::{Influence, Motor, WallIds};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 use crate::common::worlds::{bouncing, boxed, run, still, walled, world_of};
 
-fn motor(ids: &[i64], walls: &[u32]) -> Motor {
+fn motor(ids: &[i64], walls: &[i64]) -> Motor {
     Motor {
         ids: ids.to_vec(),
-        walls: walls.to_vec(),
+        walls: WallIds(walls.to_vec()),
         center: [0.0; 2],
         angular_velocity: 0.0,
         velocity: [0.0; 2],
@@ -192,7 +192,7 @@ fn motors_of_what_cannot_be_driven_are_refused() {
     let text = refusal(&mut world, motor(&[0, 2], &[]));
     assert_eq!(text, "forces[0] is a motor of particle 2; it drives immovable particles only");
     assert!(refusal(&mut world, motor(&[3], &[])).contains("no particle has this id"));
-    assert!(refusal(&mut world, motor(&[], &[0])).contains("there are 0 walls"));
+    assert!(refusal(&mut world, motor(&[], &[0])).contains("no wall has this id"));
     assert!(refusal(&mut world, motor(&[0, 1, 0], &[])).starts_with("ids[2] is 0"));
     let endless = Motor { period: 0.0, ..motor(&[0], &[]) };
     assert!(refusal(&mut world, endless).starts_with("period is 0"));
@@ -201,7 +201,7 @@ fn motors_of_what_cannot_be_driven_are_refused() {
     world.set_walls(vec![Wall::new([[0.0, 5.0], [1.0, 5.0]])]).unwrap();
     world.set_forces(vec![Influence::Motor(motor(&[0, 1], &[0]))]).unwrap();
     let text = world.set_walls(vec![]).unwrap_err().to_string();
-    assert_eq!(text, "forces[0] is a motor of wall 0; there are 0 walls");
+    assert_eq!(text, "forces[0] is a motor of wall 0; no wall has this id");
     // A removed particle is driven no more, and a movable one neither.
     world.remove(&[0]).unwrap();
     let [Influence::Motor(left)] = &world.forces().unwrap()[..] else { panic!("one motor") };

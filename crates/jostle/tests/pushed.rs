@@ -2,18 +2,18 @@
 
 use jostle_base::{Error, Method};
 use jostle_scenes::random::Random;
-use jostle_world::forces::{Influence, Motor};
+use jostle_world::forces::{Influence, Motor, WallIds};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 use crate::common::worlds::{STEP, bouncing, discs, moving, run, still, walled, world_of};
 
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
 
-fn motor(walls: &[u32], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Influence {
+fn motor(walls: &[i64], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Influence {
     let (center, angular_velocity) = ([0.0; 2], 0.0);
     Influence::Motor(Motor {
         ids,
-        walls: walls.to_vec(),
+        walls: WallIds(walls.to_vec()),
         center,
         angular_velocity,
         velocity,
@@ -170,7 +170,7 @@ fn lift(
     let walls = (0..4).map(|k| moving([corners[k], corners[(k + 1) % 4]], of_walls));
     let walls: Vec<_> = if let Sides::Discs = sides { vec![] } else { walls.collect() };
     if period.is_none() {
-        let numbers: Vec<u32> = (0..walls.len() as u32).collect();
+        let numbers: Vec<i64> = (0..walls.len() as i64).collect();
         let ids = (discs as i64..len as i64).collect();
         world.set_walls(walls).expect("valid");
         let turns = if seed.is_multiple_of(2) { 1.0 } else { f32::INFINITY };

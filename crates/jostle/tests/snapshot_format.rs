@@ -11,7 +11,7 @@ use std::sync::Arc;
 use jostle_index::{Each, Filter};
 use jostle_world::forces::{
     Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
-    Springs, ThermalWalls, Thermostat,
+    Springs, ThermalWalls, Thermostat, WallIds,
 };
 use jostle_world::{Changes, Influence, Sides, Surface, Wall, World, WorldSettings};
 
@@ -48,7 +48,7 @@ fn asleep() -> World {
     };
     let motor = Motor {
         ids: vec![7],
-        walls: vec![],
+        walls: WallIds::default(),
         center: [10.0, 2.5],
         angular_velocity: 0.5,
         velocity: [0.0; 2],
@@ -56,7 +56,8 @@ fn asleep() -> World {
     };
     let mut world = forced(all, vec![spring(0, 1), Influence::Motor(motor)], settings);
     let surface = Surface { restitution: Some(0.5), friction: Some(0.3) };
-    let shelf = Wall { surface, ..Wall::new([[3.0, 4.5], [7.0, 4.5]]) };
+    let filter = Filter { category: 5, mask: 7 };
+    let shelf = Wall { surface, filter, ..Wall::new([[3.0, 4.5], [7.0, 4.5]]) };
     world.set_walls(vec![shelf, Wall::new([[18.0, 2.0], [19.0, 3.0]])]).expect("valid");
     world.remove(&[5]).expect("it is there");
     run(&mut world, 150);
@@ -95,7 +96,7 @@ fn with_forces() -> World {
         Influence::ThermalWalls(ThermalWalls {
             temperature: 2.0,
             sides: [true, false, false, true],
-            walls: vec![1],
+            walls: WallIds(vec![1]),
             seed: 7,
         }),
         Influence::Andersen(Andersen { temperature: 1.5, rate: 0.25, seed: 8 }),

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use jostle_base::Method;
 use jostle_index::Filter;
 use jostle_scenes::{self as scenes, STEP, random::Random};
-use jostle_world::forces::{Motor, Spring, Springs};
+use jostle_world::forces::{Motor, Spring, Springs, WallIds};
 use jostle_world::{Container, Influence, Particles, Stage, Surface, Wall, World, WorldSettings};
 
 use crate::common::worlds::{
@@ -133,7 +133,7 @@ fn belt() -> World {
         max_stretch: f32::INFINITY,
     };
     let (center, velocity) = ([18.0; 2], [0.0, 2.0]);
-    let (ids, walls) = (vec![60], vec![]);
+    let (ids, walls) = (vec![60], WallIds::default());
     let motor = Motor { ids, walls, center, angular_velocity: 1.5, velocity, period: 0.5 };
     let springs = Springs(vec![spring([0, 1]), spring([1, 2]), spring([30, 40])]);
     world.set_forces(vec![Influence::Springs(springs), Influence::Motor(motor)]).unwrap();

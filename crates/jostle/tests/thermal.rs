@@ -3,7 +3,7 @@
 use jostle_base::{Method, Settings};
 use jostle_scenes::random::Random;
 use jostle_world::forces::chance::Chance;
-use jostle_world::forces::{Andersen, Influences, ThermalWalls};
+use jostle_world::forces::{Andersen, Influences, ThermalWalls, WallIds};
 use jostle_world::{Container, Influence, OnTouch, Particles, Wall, World, WorldSettings};
 
 use crate::common::worlds::{boxed, closed, discs, forced, gathered, inside, run};
@@ -12,12 +12,17 @@ const KT: f32 = 4.0;
 const ALL: [bool; 4] = [true; 4];
 
 fn walls(sides: [bool; 4], seed: u32) -> Influence {
-    Influence::ThermalWalls(ThermalWalls { temperature: KT, sides, walls: vec![], seed })
+    Influence::ThermalWalls(ThermalWalls {
+        temperature: KT,
+        sides,
+        walls: WallIds::default(),
+        seed,
+    })
 }
 
 /// Line segments at a temperature.
-fn segments(temperature: f32, walls: &[u32], seed: u32) -> Influence {
-    let (sides, walls) = ([false; 4], walls.to_vec());
+fn segments(temperature: f32, walls: &[i64], seed: u32) -> Influence {
+    let (sides, walls) = ([false; 4], WallIds(walls.to_vec()));
     Influence::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
 }
 
@@ -315,7 +320,12 @@ fn wrong_ones_are_refused() {
         Influences::from(all.to_vec()).validate(|id| id == 0).unwrap_err().to_string()
     };
     let hot = |temperature| {
-        Influence::ThermalWalls(ThermalWalls { temperature, sides: ALL, walls: vec![], seed: 0 })
+        Influence::ThermalWalls(ThermalWalls {
+            temperature,
+            sides: ALL,
+            walls: WallIds::default(),
+            seed: 0,
+        })
     };
     assert_eq!(refusal(&[hot(0.0)]), "temperature is 0; it must be above 0");
     assert!(refusal(&[hot(f32::NAN)]).starts_with("temperature is NaN; it must be finite"));
@@ -325,16 +335,16 @@ fn wrong_ones_are_refused() {
         "forces[1] is another ThermalWalls; side 0 has a temperature already"
     );
     assert_eq!(refusal(&[segments(1.0, &[3, 5, 3], 0)]), "walls[2] is 3; it is given twice");
-    assert!(refusal(&[segments(1.0, &[u32::MAX], 0)]).starts_with("walls[0] is 4294967295; no"));
+    assert!(refusal(&[segments(1.0, &[-1], 0)]).starts_with("walls[0] is -1; no wall"));
     assert_eq!(
         refusal(&[segments(1.0, &[3], 0), walls(ALL, 0), segments(2.0, &[2, 3], 1)]),
         "forces[2] is another ThermalWalls; wall 3 has a temperature already"
     );
     let mut world = busy(WorldSettings::default(), &[0, 1, 2, 3]);
     let error = world.set_forces(vec![segments(1.0, &[1, 3], 0)]).unwrap_err().to_string();
-    assert_eq!(error, "forces[0] is ThermalWalls of wall 3; there are 3 walls");
+    assert_eq!(error, "forces[0] is ThermalWalls of wall 3; no wall has this id");
     let error = world.set_walls(world.walls()[..2].to_vec()).unwrap_err().to_string();
-    assert_eq!(error, "forces[3] is ThermalWalls of wall 2; there are 2 walls");
+    assert_eq!(error, "forces[3] is ThermalWalls of wall 2; no wall has this id");
     assert!(refusal(&[bath(-1.0)]).starts_with("rate is -1; "));
     assert!(
         refusal(&[bath(1.0), bath(1.0)]).starts_with("forces[1] is another AndersenThermostat")

@@ -320,12 +320,12 @@ fn invalid_walls_are_refused() {
     );
     assert_eq!(
         refusal(vec![good, Wall { surface: surface(2.0), ..good }]),
-        "wall_restitution[1] is 2; it must lie between 0 and 1"
+        "restitution[1] is 2; it must lie between 0 and 1"
     );
     let surface = Surface { friction: Some(-1.0), ..Surface::default() };
     assert_eq!(
         refusal(vec![Wall { surface, ..good }]),
-        "wall_friction[0] is -1; it must be finite and at least 0"
+        "friction[0] is -1; it must be finite and at least 0"
     );
 }
 

@@ -45,29 +45,6 @@ def set_matrix(world: jostle.World, matrix: str | Sequence[Sequence[float]]) -> 
     world.forces = tuple(new if force == old else force for force in world.forces)
 
 
-def keeping_walls(forces: Forces, keep: NDArray[np.bool_]) -> Forces:
-    """Return forces that name only the walls that are kept, by their new indices.
-
-    Thermal walls of which none is left are left out.
-    """
-    index = np.cumsum(keep) - 1
-
-    def kept(walls: ArrayLike) -> NDArray[np.intp]:
-        rows = np.asarray(walls, np.intp)
-        return index[rows[keep[rows]]]
-
-    new: list[Any] = []
-    for force in forces:
-        if isinstance(force, jostle.Motor):
-            new.append(_with(force, walls=kept(force.walls)))
-        elif not isinstance(force, jostle.ThermalWalls):
-            new.append(force)
-        elif len(walls := kept(force.walls)) or force.sides:
-            hot = jostle.ThermalWalls(force.temperature, force.sides, force.seed, walls=walls)
-            new.append(hot)
-    return tuple(new)
-
-
 def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
     """Return forces whose motors have shifted centres."""
     return tuple(
@@ -151,51 +128,34 @@ class WallSegments:
         """Add the sides of a polyline; own walls must be added before drawn ones."""
         world = self._world
         new = jostle.polyline(np.asarray(line.points, np.float32), closed=line.closed)
-        restitution = _appended(world.wall_restitution, line.restitution, len(new))
-        friction = _appended(world.wall_friction, line.friction, len(new))
-        rows = np.arange(len(world.walls), len(world.walls) + len(new))
-        self._set(np.concatenate([world.walls, new]), restitution, friction)
+        ids = world.walls.add(
+            new, restitution=line.restitution, friction=line.friction,
+            one_way=line.one_way, categories=line.categories, masks=line.masks,
+        )  # fmt: skip
         if any(line.velocity) and len(new):
-            motor = jostle.Motor(walls=rows, velocity=line.velocity, period=line.period)
+            motor = jostle.Motor(walls=ids, velocity=line.velocity, period=line.period)
             world.forces = (*world.forces, motor)
         if line.temperature is not None and len(new):
-            world.forces = (*world.forces, jostle.ThermalWalls(line.temperature, walls=rows))
+            world.forces = (*world.forces, jostle.ThermalWalls(line.temperature, walls=ids))
         self.own += len(new) if own else 0
 
     def remove(self, rows: ArrayLike) -> None:
         """Remove walls; rows that do not exist are ignored."""
-        world, ends = self._world, self._world.walls
-        keep = np.ones(len(ends), np.bool_)
-        wanted = np.asarray(rows, np.int64).reshape(-1)
-        keep[wanted[(wanted >= 0) & (wanted < len(keep))]] = False
-        own = int(np.count_nonzero(keep[: self.own]))
-        restitution, friction = world.wall_restitution[keep], world.wall_friction[keep]
-        velocities, forces = world.wall_velocities[keep], keeping_walls(world.forces, keep)
-        world.forces = ()  # forces of walls do not let them be removed
-        self._set(ends[keep], restitution, friction)
-        world.wall_velocities, world.forces = velocities, forces
-        self.own = own
+        walls = self._world.walls
+        wanted = np.unique(np.asarray(rows, np.int64))
+        gone = wanted[(wanted >= 0) & (wanted < len(walls))]
+        walls.remove(walls.ids[gone])
+        self.own -= int(np.count_nonzero(gone < self.own))
 
     def set_friction(self, friction: float | None) -> None:
         """Set the friction of the drawn walls; that of the particles, if None."""
-        frictions = self._world.wall_friction.copy()
-        frictions[self.own :] = np.nan if friction is None else friction
-        self._world.wall_friction = frictions
+        walls = self._world.walls
+        walls.set(walls.ids[self.own :], friction=friction)
 
     def shift(self, by: Floats) -> None:
         if by.any():
             self._world.forces = shifted(self._world.forces, by)
-            if len(self._world.walls):
-                self._world.walls = self._world.walls + by
-
-    def _set(self, ends: Ends, restitution: Floats, friction: Floats) -> None:
-        self._world.walls = ends  # this alone can be refused
-        self._world.wall_restitution, self._world.wall_friction = restitution, friction
-
-
-def _appended(column: Floats, value: float | None, count: int) -> Floats:
-    """Return a column of walls with new rows; None is the coefficient of the particle."""
-    return np.append(column, np.full(count, np.nan if value is None else value))
+            self._world.walls.segments = self._world.walls.segments + by
 
 
 def nearest(ends: Floats, point: Point) -> tuple[int, float]:

@@ -218,7 +218,7 @@ def frame_of(
         contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(forces, columns),
         angles=world.angles if columns.turns else None,
-        walls=world.walls,
+        walls=world.walls.segments,
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
         kinds=None if pair is None else pair.kinds,
         matrix=None if pair is None else life.matrix_of(pair),

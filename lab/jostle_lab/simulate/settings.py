@@ -113,6 +113,9 @@ class Polyline:
     # Of the motion back and forth, in seconds; without it if None.
     period: float | None = limited(or_none(real(0.001)), None)
     temperature: float | None = limited(or_none(real(1e-6)), None)  # kT of thermal walls
+    one_way: bool = limited(TRUTH, False)  # solid for what comes from the left of start → end
+    categories: int = limited(_BITS, 1)  # bit sets, as those of `jostle.World.walls`
+    masks: int = limited(_BITS, EVERY_CATEGORY)
 
 
 def _degenerate(line: Mapping[str, Any]) -> Refusals:

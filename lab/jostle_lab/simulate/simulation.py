@@ -249,7 +249,7 @@ class Simulation:
         radii = columns.radii[rows]
         places, found = free_positions(
             world.positions, columns.radii, radii, container_of(world), self.view,
-            int(rng.integers(2**31)), world.walls,
+            int(rng.integers(2**31)), world.walls.segments,
         )  # fmt: skip
         if len(found) == count:
             self.add(

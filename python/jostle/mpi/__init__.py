@@ -8,9 +8,10 @@ from jostle._core import RankError
 
 from .scenes import create_scene
 from .search import find_pairs
+from .walls import Walls
 from .world import World
 
-__all__ = ["RankError", "World", "create_scene", "find_pairs"]
+__all__ = ["RankError", "Walls", "World", "create_scene", "find_pairs"]
 
-for _public in (World, create_scene, find_pairs):
+for _public in (Walls, World, create_scene, find_pairs):
     _public.__module__ = "jostle.mpi"

@@ -22,6 +22,7 @@ from .exchange import duplicate_of, first_id, from_all, joined, passed_on, toget
 from .interrupts import collective, held
 from .messages import Messages
 from .storage import read, write
+from .walls import Walls
 
 #: Share of the last step in the mean time that a rank needs for a particle.
 _SMOOTHING = 0.1
@@ -29,8 +30,7 @@ _SMOOTHING = 0.1
 #: Settings that must be the same on all ranks.
 _SETTINGS = (
     *("gravity", "drag", "container", "period", "walls"),
-    *("wall_velocities", "wall_restitution", "wall_friction", "forces", "on_touch", "substeps"),
-    *("sleeping", "track_events"),
+    *("forces", "on_touch", "substeps", "sleeping", "track_events"),
 )
 
 
@@ -40,6 +40,9 @@ def _bytes_of(setting: object) -> bytes:
         return repr((setting.shape, setting.dtype)).encode() + setting.tobytes()
     if isinstance(setting, list | tuple):
         return b"".join(map(_bytes_of, setting))
+    if isinstance(setting, jostle.Walls):
+        columns = setting.get(setting.ids).to_dict()
+        return _bytes_of([setting.ids, *columns.values()])
     if isinstance(setting, jostle.PairForce):  # the kinds are those of the rank's particles
         return _bytes_of(setting.table) + _bytes_of((setting.cutoff, setting.damping))
     return repr(setting).encode() + b";"
@@ -91,8 +94,8 @@ class World:
     some ranks need more time than others, or have many copies, the ranges are chosen again, and
     particles move to other ranks; sleeping ones stay where they are until they wake.
 
-    Settings such as `gravity` and `walls` can be assigned, a collective call. Contacts are empty
-    after that, and after `add`, `remove` and `force`, until the next step.
+    Settings such as `gravity` can be assigned, and `walls` edited, in collective calls. Contacts
+    are empty after that, and after `add`, `remove` and `force`, until the next step.
 
     Examples
     --------
@@ -203,6 +206,19 @@ class World:
         self._core._drop_ghosts()
         setattr(self._core, name, value)
         self._core._agree_on_losses()
+
+    @collective
+    def _edit_walls(self, edit: Callable[[jostle.Walls], Any]) -> Any:
+        """Change the walls of all ranks alike. All islands wake."""
+        with together(self._comm):
+            trial: Any = self._core._of_records(b"")
+            edit(trial.walls)
+            trial._check_distributable()
+        self._check_settings(trial, ("walls",))
+        self._core._drop_ghosts()
+        found = edit(self._core.walls)
+        self._core._agree_on_losses()
+        return found
 
     def step(self, dt: float, steps: int = 1) -> None:
         """Advance the world.
@@ -459,14 +475,12 @@ class World:
         "The region of the particles, see `jostle.World.container`."
     )
     period = Setting[Any]("Width and height of a periodic plane, see `jostle.World.period`.")
-    walls = Setting[NDArray[np.float32]](
-        "Line segments: ndarray of float32, shape (m, 2, 2), see `jostle.World.walls`."
-    )
-    wall_velocities = Setting[NDArray[np.float32]](
-        "Velocities of the walls: ndarray of float32, shape (m, 2)."
-    )
-    wall_restitution = Setting[Any]("See `jostle.World.wall_restitution`.")
-    wall_friction = Setting[Any]("See `jostle.World.wall_friction`.")
+
+    @property
+    def walls(self) -> Walls:
+        """The walls: a `jostle.mpi.Walls`, which shows and changes those of all ranks."""
+        return Walls(self)
+
     forces = Setting[list[Any]](
         "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
     )

@@ -65,8 +65,8 @@ class WallContacts(Result):
     ids : ndarray of int64, shape (m,)
         Ids of the particles, ascending.
     walls : ndarray of int64, shape (m,)
-        The number k for wall k of `World.walls`, at a shared end the first of those that have it;
-        for a side of the container its `Side`, which is negative.
+        The id of the wall in `World.walls`, at a shared end the first of those that have it; for
+        a side of the container its `Side`, which is negative.
     normals : ndarray of float32, shape (m, 2)
         Unit vectors from the wall to the particle, at the end of the step.
     depths : ndarray of float32, shape (m,)
@@ -195,7 +195,8 @@ class LastCall(Result):
         impulse on the other, friction and resting contacts included. Half its trace, divided by
         area and duration, is the part of the pressure that collisions cause.
     wall_impulses : ndarray of float64, shape (m, 2)
-        Sum of the impulses of each wall, in the rows of `World.walls`.
+        Sum of the impulses of each wall on particles, in the rows of `World.walls`;
+        ``world.walls.rows(ids)`` are those of ids. Walls that were removed since have none.
     side_impulses : ndarray of float64, shape (5, 2)
         Of the sides of the container in the order of `Side`, min_x, max_x, min_y, max_y and rim:
         the sum of the impulses along the normal into the container, at least 0, and that of
@@ -329,3 +330,77 @@ class Particle(Result):
     masks: int
     sensors: bool
     kinds: int
+
+
+class WallColumns(Result):
+    """Some walls of a `World`, by the names of the arguments of `World.walls.add` and `set`.
+
+    Attributes
+    ----------
+    segments : ndarray of float32, shape (k, 2, 2)
+        Their ends, in units of length.
+    velocities : ndarray of float32, shape (k, 2)
+        In units of length per second.
+    friction, restitution : ndarray of float32, shape (k,)
+        Coefficients; NaN stands for that of the particle.
+    one_way : ndarray of bool, shape (k,)
+        Whether the wall stops only what comes from its left.
+    categories, masks : ndarray of uint32, shape (k,)
+        Bit sets of 32 bits.
+
+    See Also
+    --------
+    jostle.Walls.get : Returns it.
+    Wall : The same of one wall.
+    """
+
+    __slots__ = (
+        "segments",
+        "velocities",
+        "friction",
+        "restitution",
+        "one_way",
+        "categories",
+        "masks",
+    )
+
+    segments: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    friction: NDArray[np.float32]
+    restitution: NDArray[np.float32]
+    one_way: NDArray[np.bool_]
+    categories: NDArray[np.uint32]
+    masks: NDArray[np.uint32]
+
+
+class Wall(Result):
+    """One wall of a `World`, by the names of the arguments of `World.walls.add` and `set`.
+
+    Attributes
+    ----------
+    segments : ndarray of float32, shape (2, 2)
+        Its ends, in units of length.
+    velocities : ndarray of float32, shape (2,)
+        In units of length per second.
+    friction, restitution : float
+        Coefficients; NaN stands for that of the particle.
+    one_way : bool
+        Whether the wall stops only what comes from its left.
+    categories, masks : int
+        Bit sets of 32 bits.
+
+    See Also
+    --------
+    jostle.Walls.get : Returns it.
+    WallColumns : The same of many walls.
+    """
+
+    __slots__ = WallColumns.__slots__
+
+    segments: NDArray[np.float32]
+    velocities: NDArray[np.float32]
+    friction: float
+    restitution: float
+    one_way: bool
+    categories: int
+    masks: int

@@ -127,6 +127,20 @@ impl Argument<'_> {
         }
     }
 
+    /// Whether it has the shape of one line segment.
+    pub fn is_segment(&self) -> bool {
+        self.array.shape() == [2, 2]
+    }
+
+    /// A single line segment.
+    pub fn only_segment<T: Scalar + Element>(&self) -> PyResult<Vec<[[T; 2]; 2]>> {
+        if !self.is_segment() {
+            return Err(self.wrong_shape("(2, 2), as there is one wall"));
+        }
+        let points = self.real_pairs()?;
+        Ok(points.as_chunks::<2>().0.to_vec())
+    }
+
     /// A number for all or one for each of `len` rows.
     pub fn real_each<T: Scalar + Element>(&self, len: usize) -> PyResult<Each<T>> {
         self.each(len, "a number", Self::real)

@@ -134,7 +134,7 @@ shows! {
 }
 
 /// Whole numbers as a tuple.
-pub struct Numbers(pub Vec<u32>);
+pub struct Numbers(pub Vec<i64>);
 
 impl<S: Show> Show for Option<S> {
     fn show(self, py: Python<'_>) -> Shown<'_> {

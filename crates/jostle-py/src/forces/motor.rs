@@ -1,13 +1,12 @@
 //! `jostle.Motor`.
 
 use jostle_base::Id;
-use jostle_world::forces::Motor;
+use jostle_world::forces::{Motor, WallIds};
 use pyo3::prelude::*;
 
 use super::arguments::arguments;
 use super::{real, real_or, valid};
 use crate::arrays::{Given, long_ids, point};
-use crate::error::refused;
 
 /// A prescribed motion of immovable particles and walls.
 ///
@@ -20,7 +19,7 @@ use crate::error::refused;
 /// ids : array_like of int, shape (k,), optional
 ///     Ids of the immovable particles; if one is removed, the motor drives the others.
 /// walls : array_like of int, shape (m,), optional
-///     Indices of the walls. Walls do not rotate.
+///     Ids of the walls. Walls do not rotate.
 /// center : array_like, shape (2,), default (0.0, 0.0)
 ///     The centre of the rotation, in units of length. It moves with `velocity`.
 /// angular_velocity : float, default 0.0
@@ -41,7 +40,7 @@ use crate::error::refused;
 ///
 /// See Also
 /// --------
-/// World.walls : Their indices.
+/// World.walls : The walls, with their ids.
 ///
 /// Notes
 /// -----
@@ -66,7 +65,7 @@ use crate::error::refused;
 /// >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
 /// >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
 /// >>> world.step(1 / 60, steps=120)
-/// >>> world.walls[0].round(4).tolist()
+/// >>> world.walls.get(0).segments.round(4).tolist()
 /// [[2.0, 0.0], [2.0, 10.0]]
 #[pyclass(module = "jostle", name = "Motor", frozen, eq)]
 #[derive(PartialEq)]
@@ -97,7 +96,7 @@ impl PyMotor {
         let pair = |name, given: &Given<'_>| given.value().map_or(Ok([0.0; 2]), |v| point(name, v));
         let motor = Motor {
             ids: all("ids", ids, "particle")?,
-            walls: wall_numbers(&all("walls", walls, "wall")?)?,
+            walls: WallIds(all("walls", walls, "wall")?),
             center: pair("center", &center)?,
             angular_velocity: real_or("angular_velocity", &angular_velocity, 0.0)?,
             velocity: pair("velocity", &velocity)?,
@@ -107,7 +106,7 @@ impl PyMotor {
     }
 
     fn __repr__(&self) -> String {
-        let (particles, walls) = (self.0.ids.len(), self.0.walls.len());
+        let (particles, walls) = (self.0.ids.len(), self.0.walls.0.len());
         format!("<jostle.Motor of {particles} particles and {walls} walls>")
     }
 }
@@ -118,8 +117,8 @@ arguments! {
         ids: |own| own.0.ids.clone();
     }
     keywords {
-        /// Indices of the walls that it drives: read-only ndarray of int64, shape (m,).
-        walls: |own| own.0.walls.iter().map(|&wall| Id::from(wall)).collect::<Vec<Id>>();
+        /// Ids of the walls that it drives: read-only ndarray of int64, shape (m,).
+        walls: |own| own.0.walls.0.clone();
         /// The centre of the rotation at time 0, (x, y).
         center: |own| own.0.center;
         /// In radians per second.
@@ -129,13 +128,4 @@ arguments! {
         /// Period in seconds; None if the motion is not reversed.
         period: |own| Some(own.0.period).filter(|period| period.is_finite());
     }
-}
-
-/// The indices of walls as u32.
-pub fn wall_numbers(all: &[i64]) -> PyResult<Vec<u32>> {
-    let number = |(index, &wall): (usize, &i64)| {
-        let refusal = || jostle_base::Error::at("walls", index, wall, "no wall has this index");
-        u32::try_from(wall).map_err(|_| refused(refusal()))
-    };
-    all.iter().enumerate().map(number).collect()
 }

@@ -1,11 +1,10 @@
 //! `jostle.ThermalWalls`.
 
 use jostle_base::Error;
-use jostle_world::forces::ThermalWalls;
+use jostle_world::forces::{ThermalWalls, WallIds};
 use pyo3::prelude::*;
 
 use super::arguments::{Numbers, arguments, plain_arguments};
-use super::motor::wall_numbers;
 use super::{read_seed, real, valid};
 use crate::arrays::{Given, long_ids};
 use crate::error::refused;
@@ -31,7 +30,7 @@ use crate::error::refused;
 /// seed : int, default 0
 ///     Seed of the random numbers, below 2³².
 /// walls : array_like of int, shape (m,), optional
-///     Indices of line segments in `World.walls`, which have the temperature on both sides. At a wall
+///     Ids of line segments of `World.walls`, which have the temperature on both sides. At a wall
 ///     that moves, the velocities are relative to it.
 ///
 /// Raises
@@ -71,8 +70,8 @@ use crate::error::refused;
 ///
 /// A hot plate in the middle of the box:
 ///
-/// >>> world.walls = [((5, 10), (15, 10))]
-/// >>> world.forces = [jostle.ThermalWalls(9.0, walls=[0])]
+/// >>> plate = world.walls.add(((5, 10), (15, 10)))
+/// >>> world.forces = [jostle.ThermalWalls(9.0, walls=[plate])]
 /// >>> world.step(1 / 60, steps=10)
 #[pyclass(module = "jostle", name = "ThermalWalls", frozen, eq)]
 #[derive(PartialEq)]
@@ -93,8 +92,8 @@ impl PyThermalWalls {
     ) -> PyResult<Self> {
         let temperature = real("temperature", temperature)?;
         let sides = sides.map_or(Ok([walls.is_none(); 4]), self::sides)?;
-        let indices = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
-        let walls = wall_numbers(&indices.map_or(Vec::new(), |indices| indices.rows(1)))?;
+        let walls = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
+        let walls = WallIds(walls.map_or(Vec::new(), |ids| ids.rows(1)));
         let seed = read_seed(&seed)?;
         Ok(Self(valid(ThermalWalls { temperature, sides, walls, seed }, ThermalWalls::validate)?))
     }
@@ -110,8 +109,8 @@ arguments! {
         seed: |own| own.0.seed;
     }
     keywords {
-        /// The indices of the walls that have it: a tuple of int.
-        walls: |own| Numbers(own.0.walls.clone());
+        /// The ids of the walls that have it: a tuple of int.
+        walls: |own| Numbers(own.0.walls.0.clone());
     }
 }
 plain_arguments!(PyThermalWalls);

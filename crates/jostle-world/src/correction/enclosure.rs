@@ -129,7 +129,8 @@ fn pushed_out(walls: &Around<'_>, motions: &Motions, index: u32, by: [f32; 2]) -
         let seen =
             |position: Vector| walls.position_from(wall, vector(|k| position[k] - offset[k]), 0.0);
         is_free &= !walls.walls.is_near(wall, area.map(seen), radius)
-            || walls.walls.is_free(wall, [from, to].map(seen), radius);
+            || walls.walls.is_free(wall, [from, to].map(seen), radius)
+            || !walls.is_solid_for(wall, offset, from, radius);
     });
     if is_free {
         return by;
@@ -137,7 +138,12 @@ fn pushed_out(walls: &Around<'_>, motions: &Motions, index: u32, by: [f32; 2]) -
     // `take` leaves an empty list. The list is put back at the end, so each thread allocates once.
     let mut near = NEAR_WALLS.take();
     near.clear();
-    walls.each(index, area, most, |wall, offset| near.push((wall, offset)));
+    // Where the particle comes from decides for the whole way.
+    walls.each(index, area, most, |wall, offset| {
+        if walls.is_solid_for(wall, offset, from, radius) {
+            near.push((wall, offset));
+        }
+    });
     let allowed = walls.push_out(&near, [from, to], radius, most);
     NEAR_WALLS.set(near);
     if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }

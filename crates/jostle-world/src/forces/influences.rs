@@ -3,14 +3,13 @@
 
 use std::collections::HashSet;
 
-use super::record::{Found, Record, Reference, Renamed};
+use super::record::{Found, Gone, Record, Reference, Renamed};
 use super::{
     Andersen, Attractor, Flocking, Force, ForceInput, Gravitation, Motor, PairForce, Partners,
     Scratch, Springs, ThermalWalls, Thermostat, bounded,
 };
 use crate::container::Container;
 use crate::particles::check_kinds_of_table;
-use crate::walls::index_of;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::saved;
@@ -74,6 +73,12 @@ macro_rules! influences {
             fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
                 match self {
                     $(Self::$name(own) => own.renumber(renamed),)*
+                }
+            }
+
+            fn forget_walls(&mut self, is_gone: &Gone<'_>) {
+                match self {
+                    $(Self::$name(own) => own.forget_walls(is_gone),)*
                 }
             }
         }
@@ -220,6 +225,14 @@ impl Influences {
         self.list.retain_mut(|influence| influence.renumber(&renamed));
     }
 
+    /// Leaves out walls that are removed. Thermal walls of which none is left are removed.
+    pub fn forget_walls(&mut self, is_gone: impl Fn(Id) -> bool) {
+        self.list.retain_mut(|influence| {
+            influence.forget_walls(&is_gone);
+            !matches!(influence.role(), Role::ThermalWalls(walls) if !walls.has_any())
+        });
+    }
+
     /// Removes springs that are stretched too far.
     pub fn break_springs(&mut self, bodies: &ForceInput<'_>) {
         for influence in &mut self.list {
@@ -275,11 +288,10 @@ impl Influences {
                 Role::Thermostat(_) => thermostats += 1,
                 Role::Andersen(_) => andersen_thermostats += 1,
                 Role::ThermalWalls(walls) => {
-                    if let Some(number) = walls.numbers().find(|&number| !known.insert(number)) {
-                        let wall = index_of(number);
-                        let name =
-                            wall.map_or(format!("side {number}"), |wall| format!("wall {wall}"));
-                        let rule = format!("{name} has a temperature already");
+                    let sides = walls.side_numbers().map(|side| ("side", Id::from(side)));
+                    let all = sides.chain(walls.walls.0.iter().map(|&wall| ("wall", wall)));
+                    if let Some((noun, number)) = { all }.find(|&of| !known.insert(of)) {
+                        let rule = format!("{noun} {number} has a temperature already");
                         return refuse("another ThermalWalls", &rule);
                     }
                 }
@@ -327,8 +339,7 @@ impl Influences {
             if let Role::ThermalWalls(walls) = influence.role()
                 && let Some(rule) = walls.misfit(container)
             {
-                let sides: Vec<u32> =
-                    walls.numbers().filter(|&number| index_of(number).is_none()).collect();
+                let sides: Vec<u32> = walls.side_numbers().collect();
                 let value = format!("ThermalWalls with sides={sides:?}");
                 return Err(Error::at("forces", index, value, rule));
             }
@@ -336,21 +347,20 @@ impl Influences {
         Ok(())
     }
 
-    /// Refuses influences that refer to walls which are not among the first `count`.
-    pub fn check_walls(&self, count: usize) -> Result<()> {
+    /// Refuses influences that refer to walls which do not exist.
+    pub fn check_walls(&self, exists: impl Fn(Id) -> bool) -> Result<()> {
         for (index, influence) in self.list.iter().enumerate() {
             let mut unknown = None;
             influence.list(&mut |reference| {
                 if let Reference::Wall(wall) = reference
-                    && wall as usize >= count
+                    && !exists(wall)
                 {
                     unknown.get_or_insert(wall);
                 }
             });
             if let Some(wall) = unknown {
                 let value = format!("{} of wall {wall}", influence.noun());
-                let rule = format!("there are {count} walls");
-                return Err(Error::at("forces", index, value, &rule));
+                return Err(Error::at("forces", index, value, "no wall has this id"));
             }
         }
         Ok(())

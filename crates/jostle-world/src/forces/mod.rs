@@ -27,6 +27,7 @@ pub use gravitation::Gravitation;
 pub use influences::{Influence, Influences, Role};
 pub use motor::Motor;
 pub use pair::{PairForce, PairTable};
+pub use record::WallIds;
 pub use springs::{Spring, Springs};
 pub use thermal::{Andersen, ThermalWalls, WallTemperatures};
 pub use thermostat::Thermostat;

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use super::record::record;
+use super::record::{WallIds, record};
 use super::{check_distinct, check_number, check_pair};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
@@ -17,8 +17,8 @@ record! {
     pub struct Motor {
         /// The immovable particles that it drives.
         pub ids: Vec<Id>,
-        /// The indices of the walls that it drives. Walls do not rotate.
-        pub walls: Vec<u32>,
+        /// The ids of the walls that it drives. Walls do not rotate.
+        pub walls: WallIds,
         /// The centre of the rotation at time 0. It moves with the translation.
         pub center: [f32; 2],
         /// Radians per second.
@@ -39,12 +39,12 @@ impl Motor {
         if self.period.is_nan() || self.period <= 0.0 {
             return Err(Error::of("period", self.period, "it must be above 0"));
         }
-        if self.angular_velocity != 0.0 && !self.walls.is_empty() {
+        if self.angular_velocity != 0.0 && !self.walls.0.is_empty() {
             let rule = "walls do not turn, so it must be 0 for a motor that drives walls";
             return Err(Error::of("angular_velocity", self.angular_velocity, rule));
         }
         check_distinct("ids", &self.ids)?;
-        check_distinct("walls", &self.walls)
+        self.walls.validate()
     }
 
     /// Seconds of forward motion minus seconds of backward motion since time 0.
@@ -149,7 +149,7 @@ mod tests {
     fn it_goes_back_in_the_second_half_of_the_period() {
         let motor = Motor {
             ids: vec![],
-            walls: vec![0],
+            walls: WallIds(vec![0]),
             center: [0.0; 2],
             angular_velocity: 0.0,
             velocity: [2.0, 0.0],

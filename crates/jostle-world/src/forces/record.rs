@@ -6,14 +6,40 @@
 
 use std::collections::HashSet;
 
+use super::check_distinct;
+use jostle_base::bytes::{Reader, Saved, Writer};
+use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 
 /// What a record refers to.
 #[derive(Clone, Copy, Debug)]
 pub enum Reference {
     Particle(Id),
-    /// The index of a wall.
-    Wall(u32),
+    /// The id of a wall.
+    Wall(Id),
+}
+
+/// The ids of walls. Unlike particles, walls have their ids inside the world, too: few records refer to them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WallIds(pub Vec<Id>);
+
+impl WallIds {
+    /// Refuses ids that no wall can have, and ids given twice.
+    pub fn validate(&self) -> Result<()> {
+        match self.0.iter().position(|&wall| wall < 0) {
+            Some(index) => Err(Error::at("walls", index, self.0[index], "no wall has this id")),
+            None => check_distinct("walls", &self.0),
+        }
+    }
+}
+
+impl Saved for WallIds {
+    fn put(&self, to: &mut Writer) {
+        self.0.put(to);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        Saved::get(from).map(Self)
+    }
 }
 
 /// Called with each reference. A step asks for them, so they are not collected.
@@ -22,12 +48,17 @@ pub type Found<'a> = dyn FnMut(Reference) + 'a;
 /// The new id of a particle; None if it was removed.
 pub type Renamed<'a> = dyn Fn(Id) -> Option<Id> + 'a;
 
+/// Whether a wall is removed.
+pub type Gone<'a> = dyn Fn(Id) -> bool + 'a;
+
 /// A struct of [`record!`], or one of its fields.
 pub trait Record {
     /// Calls `found` with the particles and walls to which it refers.
     fn list(&self, found: &mut Found<'_>);
     /// Renumbers particles. Returns false if it cannot do without those that were removed.
     fn renumber(&mut self, renamed: &Renamed<'_>) -> bool;
+    /// Leaves out walls that are gone.
+    fn forget_walls(&mut self, _is_gone: &Gone<'_>) {}
 }
 
 macro_rules! record {
@@ -50,6 +81,9 @@ macro_rules! record {
             }
             fn renumber(&mut self, renamed: &$crate::forces::record::Renamed<'_>) -> bool {
                 true $(&& $crate::forces::record::Record::renumber(&mut self.$field, renamed))*
+            }
+            fn forget_walls(&mut self, is_gone: &$crate::forces::record::Gone<'_>) {
+                $($crate::forces::record::Record::forget_walls(&mut self.$field, is_gone);)*
             }
         }
     };
@@ -104,12 +138,15 @@ impl Record for Vec<Id> {
     }
 }
 
-/// The indices of walls.
-impl Record for Vec<u32> {
+/// They change only if walls are removed, see [`Record::forget_walls`].
+impl Record for WallIds {
     fn list(&self, found: &mut Found<'_>) {
-        self.iter().for_each(|&wall| found(Reference::Wall(wall)));
+        self.0.iter().for_each(|&wall| found(Reference::Wall(wall)));
     }
     fn renumber(&mut self, _: &Renamed<'_>) -> bool {
         true
+    }
+    fn forget_walls(&mut self, is_gone: &Gone<'_>) {
+        self.0.retain(|&wall| !is_gone(wall));
     }
 }

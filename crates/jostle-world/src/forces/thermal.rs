@@ -1,13 +1,14 @@
 //! Thermal walls and Andersen's thermostat, which both sample the canonical ensemble.
 
 use super::chance::Chance;
-use super::record::record;
-use super::{check_distinct, check_number};
+use super::check_number;
+use super::record::{WallIds, record};
 use crate::container::Container;
 use crate::particles::FARTHEST;
 use crate::surface::MAX_SIDES;
-use crate::walls::{MAX_WORLD_WALLS, number_of};
+use crate::walls::number_of;
 use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;
@@ -23,28 +24,29 @@ record! {
         pub temperature: f32,
         /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
         pub sides: [bool; MAX_SIDES],
-        /// The indices of the walls that have the temperature, on both sides.
-        pub walls: Vec<u32>,
+        /// The ids of the walls that have the temperature, on both sides.
+        pub walls: WallIds,
         /// Seed of the random numbers.
         pub seed: u32,
     }
 }
 
 impl ThermalWalls {
-    /// The numbers of all its walls.
-    pub fn numbers(&self) -> impl Iterator<Item = u32> + '_ {
-        let sides = (0..).zip(self.sides).filter_map(|(side, has_it)| has_it.then_some(side));
-        sides.chain(self.walls.iter().map(|&wall| number_of(wall)))
+    /// The numbers of its sides.
+    pub fn side_numbers(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..).zip(self.sides).filter_map(|(side, has_it)| has_it.then_some(side))
+    }
+
+    /// Whether a side or a wall has the temperature.
+    pub(super) fn has_any(&self) -> bool {
+        self.sides.contains(&true) || !self.walls.0.is_empty()
     }
 
     /// Refuses numbers out of range, and a wall that is named twice.
     pub fn validate(&self) -> Result<()> {
         check_temperature(self.temperature)?;
-        if let Some(index) = self.walls.iter().position(|&wall| wall as usize >= MAX_WORLD_WALLS) {
-            return Err(Error::at("walls", index, self.walls[index], "no wall has this index"));
-        }
-        check_distinct("walls", &self.walls)?;
-        if self.sides.contains(&true) || !self.walls.is_empty() {
+        self.walls.validate()?;
+        if self.has_any() {
             return Ok(());
         }
         Err(Error::of("sides", "()", "at least one side or wall must have the temperature"))
@@ -116,12 +118,18 @@ pub struct WallTemperatures {
 }
 
 impl WallTemperatures {
-    /// Lists the walls that have a temperature in a step that begins at `time`.
-    pub fn fill<'a>(&mut self, forces: impl Iterator<Item = &'a ThermalWalls>, time: f64) {
+    /// Lists the walls that have a temperature in a step that begins at `time`. `row` has the row of a wall.
+    pub fn fill<'a>(
+        &mut self,
+        forces: impl Iterator<Item = &'a ThermalWalls>,
+        row: impl Fn(Id) -> Option<u32>,
+        time: f64,
+    ) {
         self.all.clear();
         self.time = time;
         for walls in forces {
-            for number in walls.numbers() {
+            let rows = walls.walls.0.iter().filter_map(|&wall| row(wall));
+            for number in walls.side_numbers().chain(rows.map(number_of)) {
                 // The later of two walls with a number would win, but two are refused before.
                 let number = number as usize;
                 self.all.resize(self.all.len().max(number + 1), None);

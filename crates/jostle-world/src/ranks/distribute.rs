@@ -176,7 +176,7 @@ pub fn of_records(like: &World, bytes: &[u8]) -> Result<World> {
     let (particles, _) = read_records(bytes);
     // The setters check everything again, because records of a file may be forged.
     let mut world = World::new(particles, like.settings)?;
-    world.set_walls(like.walls().to_vec())?;
+    world.copy_walls(like)?;
     world.set_forces(like.forces()?)?;
     world.attachment.clone_from(&like.attachment);
     world.time = like.time;

@@ -144,9 +144,12 @@ impl Around<'_> {
             self.near.each(index, act);
         } else {
             let margin = (radius + extent) * (1.0 + MARGIN);
+            let filter = self.particles.filter(at);
             let mut stack = STACK.take();
             self.walls.each_near([min, max], margin, &mut stack, |wall, offset| {
-                act(number_of(wall), offset);
+                if self.walls.all[wall as usize].stops(filter) {
+                    act(number_of(wall), offset);
+                }
             });
             STACK.set(stack);
         }

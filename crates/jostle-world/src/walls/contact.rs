@@ -58,8 +58,10 @@ impl Walls {
     /// The contact of a disc with a wall, if the part of the wall that is closest acts on the disc.
     pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<WallContact> {
         let index = index_of(wall)?;
-        let part = self.line(index).part_at(position);
-        self.acts(index, part, position, radius).then(|| self.contact(wall, position, radius))
+        let line = self.line(index);
+        let part = line.part_at(position);
+        let acts = line.is_solid_for(position, radius) && self.acts(index, part, position, radius);
+        acts.then(|| self.contact(wall, position, radius))
     }
 
     /// Whether a disc does not overlap a wall at the second point, and its centre does not cross

@@ -35,6 +35,10 @@ impl Walls {
                 let limits = Limits { until, ..*limits };
                 let [position, velocity] = piece.at(start, gravity);
                 match part {
+                    Part::Side if line.is_one_way => {
+                        let motion = [position, velocity, acceleration];
+                        line.impact_on_left(radius, motion, start, &limits)
+                    }
                     Part::Side => {
                         let across = line.across();
                         // The side on which the centre is decides the direction of the normal,
@@ -52,6 +56,9 @@ impl Walls {
                             velocity: velocity.map(|v| -v),
                             acceleration: acceleration.map(|v| -v),
                         };
+                        if line.is_one_way {
+                            return line.impact_on_left_end(radius, relative, &limits);
+                        }
                         relative.impact(contact_distance, until, &limits)
                     }
                 }
@@ -110,10 +117,18 @@ impl Walls {
             Part::Side => of_both(own, [0.0; 2]),
             Part::End(end) => {
                 // An end also begins and ceases to act where the disc comes beside a wall that
-                // covers the end.
-                let others = self.covering(index, end, radius);
-                let others = others.map(|other| of_both(self.line(other.wall), other.offset));
-                others.fold(next(own, end, [0.0; 2]), f64::min)
+                // covers the end, and walls that are solid from one side where the centre crosses their line.
+                let turn = |line: &Line, offset: Vector| {
+                    let seen = Piece { position: less(piece.position, offset), ..*piece };
+                    let crosses = || line.crossing_of_line(&seen, gravity, after);
+                    if line.is_one_way { crosses() } else { f64::INFINITY }
+                };
+                let others = self.covering(index, end, radius).map(|other| {
+                    let line = self.line(other.wall);
+                    of_both(line, other.offset).min(turn(line, other.offset))
+                });
+                let own = next(own, end, [0.0; 2]).min(turn(own, [0.0; 2]));
+                others.fold(own, f64::min)
             }
         }
     }
@@ -123,21 +138,38 @@ impl Line {
     /// The first time after `after` at which the centre of a disc crosses the line through an end
     /// at a right angle to the wall; infinite if there is none.
     fn crossing(&self, end: usize, piece: &Piece, gravity: Vector, after: f64) -> f64 {
-        let beyond = self.beyond(end, piece.position);
-        let speed = dot(piece.velocity, self.along);
-        let pull = if piece.falls { dot(gravity, self.along) } else { 0.0 };
-        let roots = if pull == 0.0 {
-            [-beyond / speed; 2]
-        } else {
-            // Both summands have the same sign, and the second root follows from the product of the
-            // roots.
-            // beyond + speed t + ½ pull t² = 0, without cancellation.
-            let root = (speed * speed - 2.0 * pull * beyond).sqrt();
-            let sum = -(speed + if speed < 0.0 { -root } else { root });
-            [sum / pull, 2.0 * beyond / sum]
-        };
-        let times = roots.map(|t| piece.time + t);
-        // NaN is no root.
-        times.into_iter().filter(|&time| time > after).fold(f64::INFINITY, f64::min)
+        first_crossing(self.beyond(end, piece.position), self.along, piece, gravity, after)
     }
+
+    /// The first time after `after` at which the centre of a disc crosses the line through both ends; infinite if there
+    /// is none.
+    fn crossing_of_line(&self, piece: &Piece, gravity: Vector, after: f64) -> f64 {
+        first_crossing(self.left_of(piece.position), self.across(), piece, gravity, after)
+    }
+}
+
+/// The first time after `after` at which the distance of a disc from a line is 0, if it is `distance` at the beginning of
+/// the piece and grows along `direction`; infinite if there is none.
+fn first_crossing(
+    distance: f64,
+    direction: Vector,
+    piece: &Piece,
+    gravity: Vector,
+    after: f64,
+) -> f64 {
+    let speed = dot(piece.velocity, direction);
+    let pull = if piece.falls { dot(gravity, direction) } else { 0.0 };
+    let roots = if pull == 0.0 {
+        [-distance / speed; 2]
+    } else {
+        // Both summands have the same sign, and the second root follows from the product of the
+        // roots.
+        // distance + speed t + ½ pull t² = 0, without cancellation.
+        let root = (speed * speed - 2.0 * pull * distance).sqrt();
+        let sum = -(speed + if speed < 0.0 { -root } else { root });
+        [sum / pull, 2.0 * distance / sum]
+    };
+    let times = roots.map(|t| piece.time + t);
+    // NaN is no root.
+    times.into_iter().filter(|&time| time > after).fold(f64::INFINITY, f64::min)
 }

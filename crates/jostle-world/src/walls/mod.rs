@@ -1,5 +1,5 @@
-//! Walls: line segments, solid from both sides, with ends. They stand still or move with a constant
-//! velocity.
+//! Walls: line segments with ends, solid from both sides or from their left alone. They stand still or move with a
+//! constant velocity.
 //!
 //! A wall has three parts: its side, which acts on discs whose centres are beside it, and its two
 //! ends, which act on the others. An end that lies on other walls does not act on discs beside
@@ -12,6 +12,7 @@ mod contact;
 mod impact;
 mod moving;
 mod near;
+mod one_way;
 mod torus;
 
 use std::cmp::Ordering;
@@ -30,10 +31,11 @@ use jostle_base::error::{Error, Result};
 use jostle_base::memory;
 use jostle_base::saved;
 use jostle_base::settings::Settings;
+use jostle_index::geometry::filters_agree;
 use jostle_index::pairs::{LineSegment, LineSegments};
 use jostle_index::period::Period;
 use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::{Each, Shapes};
+use jostle_index::shapes::{Each, Filter, Shapes};
 pub use moving::Clock;
 pub use near::Near;
 use torus::{Image, check_torus, each_image, less, torus_offset};
@@ -79,20 +81,45 @@ pub struct Wall {
     pub velocity: [f32; 2],
     /// Its coefficients of restitution and of friction.
     pub surface: Surface,
+    /// Its categories, and those of the discs that it may touch.
+    pub filter: Filter,
+    /// Whether it is solid only for discs that come from its left, see [`one_way`].
+    pub is_one_way: bool,
 }
 
-saved! { struct Wall { ends, residuals, velocity, surface } }
+saved! { struct Wall { ends, residuals, velocity, surface, filter, is_one_way } }
 
 impl Wall {
-    /// A wall at rest, with the coefficients of the particles.
+    /// A wall at rest that is solid for all discs from both sides, with the coefficients of the particles.
     pub fn new(ends: [[f32; 2]; 2]) -> Self {
-        let (residuals, velocity) = ([[0.0; 2]; 2], [0.0; 2]);
-        Self { ends, residuals, velocity, surface: Surface::default() }
+        Self {
+            ends,
+            residuals: [[0.0; 2]; 2],
+            velocity: [0.0; 2],
+            surface: Surface::default(),
+            filter: Filter::default(),
+            is_one_way: false,
+        }
     }
 
     /// Its ends, not rounded.
     fn exact_ends(&self) -> [Vector; 2] {
         [0, 1].map(|end| exact(self.ends[end], self.residuals[end]))
+    }
+
+    /// Whether it stops discs with this filter.
+    #[inline(always)]
+    fn stops(&self, disc: Filter) -> bool {
+        let Filter { category, mask } = self.filter;
+        filters_agree([category, mask], [disc.category, disc.mask])
+    }
+
+    /// Whether it stops every disc that another wall stops. Otherwise it cannot stand in for an end of that wall: a
+    /// disc that only the other wall stops would pass through the joint of the two.
+    fn stops_all_of(&self, other: &Self) -> bool {
+        let (own, of) = (self.filter, other.filter);
+        let passes_more = self.is_one_way && !other.is_one_way;
+        of.category & !own.category == 0 && of.mask & !own.mask == 0 && !passes_more
     }
 }
 
@@ -114,6 +141,8 @@ struct Line {
     displacement_length: f64,
     /// The offset that was added to the ends of the wall, see [`torus_offset`].
     torus_offset: Vector,
+    /// Whether only what comes from its left is stopped, see [`one_way`].
+    is_one_way: bool,
 }
 
 /// A wall, or its image on a torus, near an end of another wall.
@@ -158,6 +187,8 @@ pub struct Walls {
     is_stale: bool,
     /// Whether elastic discs keep their energy at all walls, apart from the sides.
     are_elastic: bool,
+    /// Whether any wall has a filter that is not the default.
+    has_filters: bool,
 }
 
 impl Saved for Walls {
@@ -186,6 +217,7 @@ impl Line {
             has_end: [true; 2],
             displacement_length: 0.0,
             torus_offset,
+            is_one_way: wall.is_one_way,
         }
     }
 
@@ -238,11 +270,13 @@ impl Walls {
     /// Walls in a container, with a tree. Refuses walls that are not finite, too large or without
     /// length.
     pub fn new(all: Vec<Wall>, container: Container, settings: Settings) -> Result<Self> {
-        validate(&all)?;
-        check_torus(&container.period().exact(), &all)?;
+        check_count(all.len())?;
+        check_walls(&all, container, "walls")?;
         let any_moves = all.iter().any(Wall::moves);
         let are_elastic = are_elastic(&all);
-        let mut walls = Self { all, any_moves, container, are_elastic, ..Self::default() };
+        let has_filters = all.iter().any(|wall| wall.filter != Filter::default());
+        let mut walls =
+            Self { all, any_moves, container, are_elastic, has_filters, ..Self::default() };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }
@@ -380,16 +414,20 @@ impl Walls {
                     let is_itself = other == index && offset == [0.0; 2];
                     let distance = there.distance(seen);
                     let most = rounding.max(LONGEST_JOINT * line.length.min(there.length));
-                    if !is_itself && distance <= most {
+                    let [own, of_other] = [index, other].map(|of| &self.all[of as usize]);
+                    if !is_itself && distance <= most && of_other.stops_all_of(own) {
                         // Within rounding an end lies on the wall for discs of any size. Other
                         // distances are kept, because they depend on the radius, and are compared
                         // in `covering`.
                         let distance = if distance <= rounding { 0.0 } else { distance };
                         let found = Covering { image: Image { wall: other, offset }, distance };
                         let added = memory::push(&mut covering, found);
-                        // On a torus the ends of one wall may be at the same point.
+                        // On a torus the ends of one wall may be at the same point. Of two walls that do not stop
+                        // the same discs the end of that which stops more acts.
                         let is_before = other < index || other == index && end == 1;
-                        let is_shared = is_before && there.ends.contains(&seen);
+                        let is_before = is_before || !own.stops_all_of(of_other);
+                        // Walls that are solid from one side keep their ends: each acts on what is left of its wall.
+                        let is_shared = is_before && there.ends.contains(&seen) && !line.is_one_way;
                         let both = added.and_then(|()| match is_shared {
                             true => memory::push(&mut shared, (index, end)),
                             false => Ok(()),
@@ -433,9 +471,11 @@ impl Walls {
             return false;
         }
         let Part::End(end) = part else { return true };
-        let is_beside =
-            |other: &Image| self.line(other.wall).part_at(less(point, other.offset)) == Part::Side;
-        line.has_end[end] && !self.covering(index, end, radius).any(is_beside)
+        let is_beside = |other: &Image| {
+            let (there, seen) = (self.line(other.wall), less(point, other.offset));
+            there.part_at(seen) == Part::Side && there.faces(seen)
+        };
+        line.has_end[end] && line.faces(point) && !self.covering(index, end, radius).any(is_beside)
     }
 }
 
@@ -475,16 +515,22 @@ fn are_elastic(all: &[Wall]) -> bool {
     all.iter().all(|wall| wall.surface.is_elastic())
 }
 
-/// Refuses the first wall that is not finite, too large, or without length.
-fn validate(all: &[Wall]) -> Result<()> {
-    if all.len() > MAX_WORLD_WALLS {
+/// Refuses too many walls.
+pub fn check_count(count: usize) -> Result<()> {
+    if count > MAX_WORLD_WALLS {
         let rule = format!("a world holds at most {MAX_WORLD_WALLS} walls");
-        return Err(Error::of("walls", format!("{} walls", all.len()), &rule));
+        return Err(Error::of("segments", format!("{count} walls"), &rule));
     }
+    Ok(())
+}
+
+/// Refuses the first wall that is not finite, too large, without length, or too long for a torus. `argument` has its
+/// ends.
+pub fn check_walls(all: &[Wall], container: Container, argument: &'static str) -> Result<()> {
     for (index, wall) in all.iter().enumerate() {
         let Wall { ends: [[a, b], [c, d]], velocity: [u, v], surface, .. } = *wall;
         let refuse =
-            |rule: &str| Err(Error::at("walls", index, format!("(({a}, {b}), ({c}, {d}))"), rule));
+            |rule: &str| Err(Error::at(argument, index, format!("(({a}, {b}), ({c}, {d}))"), rule));
         if ![a, b, c, d].iter().all(|v| v.is_finite() && v.abs() <= FARTHEST) {
             return refuse("its coordinates must be finite and at most 1e18");
         }
@@ -498,11 +544,11 @@ fn validate(all: &[Wall]) -> Result<()> {
         }
         if ![u, v].iter().all(|speed| speed.is_finite() && speed.abs() <= FARTHEST) {
             let rule = "both components must be finite and at most 1e18";
-            return Err(Error::at("wall_velocities", index, format!("({u}, {v})"), rule));
+            return Err(Error::at("velocities", index, format!("({u}, {v})"), rule));
         }
-        surface.validate(["wall_restitution", "wall_friction"], index)?;
+        surface.validate(["restitution", "friction"], index)?;
     }
-    Ok(())
+    check_torus(&container.period().exact(), all, argument)
 }
 
 /// Orders walls whose bounds have the same centre.

@@ -10,6 +10,7 @@ use crate::motion::residual;
 use crate::particles::FARTHEST;
 use crate::trajectory::{Vector, dot, vector};
 use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 use jostle_base::settings::Settings;
 
 impl Wall {
@@ -106,8 +107,8 @@ impl Walls {
         self.advance(0.0);
     }
 
-    /// Refuses a step of `dt` seconds in which a wall would move too far.
-    pub fn check_displacements(&self, dt: f64) -> Result<()> {
+    /// Refuses a step of `dt` seconds in which a wall would move too far. `id` has the id of a wall.
+    pub fn check_displacements(&self, dt: f64, id: impl Fn(u32) -> Id) -> Result<()> {
         if !self.any_moves {
             return Ok(());
         }
@@ -119,7 +120,8 @@ impl Walls {
             ends.any(|end| (0..2).any(|k| (end[k] + by[k]).abs() > most || by[k].abs() > most))
         };
         if let Some(index) = self.all.iter().position(is_far) {
-            let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
+            let wall = id(index as u32);
+            let rule = format!("wall {wall} would move out of the range ±{FARTHEST:e}");
             return Err(Error::of("dt", dt, &rule));
         }
         let period = self.period();
@@ -127,8 +129,9 @@ impl Walls {
         match self.all.iter().position(circles) {
             None => Ok(()),
             Some(index) => {
+                let wall = id(index as u32);
                 let rule =
-                    format!("wall {index} would travel more than the period; take smaller steps");
+                    format!("wall {wall} would travel more than the period; take smaller steps");
                 Err(Error::of("dt", dt, &rule))
             }
         }

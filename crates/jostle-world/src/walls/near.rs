@@ -1,13 +1,15 @@
 //! The broad phase of walls: which of them each disc may touch during a step.
 
-use super::{Walls, less, number_of};
+use super::{Wall, Walls, less, number_of};
 use crate::trajectory::Vector;
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Method;
 use jostle_base::{memory, reserve, sorting};
 use jostle_index::columns::Columns;
+use jostle_index::geometry::Shape;
 use jostle_index::pairs::{self, Filters, JoinScratch, LineSegment};
 use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::Filter;
 
 /// Relative size of the rounding of bounds in float32, with a large reserve.
 pub(super) const MARGIN: f64 = 1e-6;
@@ -43,7 +45,8 @@ pub struct Near {
 impl Near {
     /// Finds the walls that overlap the circles of `bounds`, which are in the order of the discs,
     /// or whose distance from a circle is less than `usual` (on a torus 0). With this distance
-    /// fewer discs leave the bounds in which their walls are known.
+    /// fewer discs leave the bounds in which their walls are known. Walls that a filter keeps from a disc are left
+    /// out.
     pub fn fill(
         &mut self,
         walls: &Walls,
@@ -90,6 +93,12 @@ impl Near {
         // these.
         if method == Method::Brute {
             found.retain(|&pair| is_near(pair));
+        }
+        if walls.has_filters || bounds.columns().has_filters() {
+            found.retain(|&[wall, index]| {
+                let Shape { category, mask, .. } = bounds.columns().shape(index as usize);
+                walls.at(wall).stops(Filter { category, mask })
+            });
         }
         // Walls were searched in larger bounds than pairs, so discs may go farther before a new
         // search.
@@ -143,6 +152,11 @@ impl Near {
 }
 
 impl Walls {
+    /// The wall at an index of the tree.
+    fn at(&self, index: u32) -> &Wall {
+        &self.all[self.images[self.tree.rows()[index as usize] as usize].wall as usize]
+    }
+
     /// The offset of the wall at an index of the tree.
     #[inline(always)]
     fn offset_at(&self, index: u32) -> Vector {

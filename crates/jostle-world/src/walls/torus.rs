@@ -29,7 +29,11 @@ pub(super) fn less(position: Vector, offset: Vector) -> Vector {
 }
 
 /// Refuses the first wall that does not fit on a torus.
-pub fn check_torus(period: &Period<f64>, walls: &[Wall]) -> Result<()> {
+pub(super) fn check_torus(
+    period: &Period<f64>,
+    walls: &[Wall],
+    argument: &'static str,
+) -> Result<()> {
     let is_long = |wall: &Wall| {
         let [a, b] = wall.exact_ends();
         period.is_exceeded_by(vector(|k| b[k] - a[k]))
@@ -40,7 +44,7 @@ pub fn check_torus(period: &Period<f64>, walls: &[Wall]) -> Result<()> {
             let [[a, b], [c, d]] = walls[index].ends;
             let value = format!("(({a}, {b}), ({c}, {d}))");
             let rule = "in a periodic world a wall may extend over each side once at most";
-            Err(Error::at("walls", index, value, rule))
+            Err(Error::at(argument, index, value, rule))
         }
     }
 }

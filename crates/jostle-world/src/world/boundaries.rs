@@ -9,7 +9,7 @@
 //! move are where they were at its beginning, and stages that need them later give the time ([`Clock`]).
 
 use super::bodies::asleep::{Sleepers, run};
-use super::bodies::ids::renumber;
+use super::bodies::ids::{Ids, renumber};
 use super::search::MAX_CANDIDATES;
 use super::settings::WorldSettings;
 use super::totals::StepSums;
@@ -18,8 +18,9 @@ use crate::container::Container;
 use crate::events::Bounce;
 use crate::particles::Particles;
 use crate::resting::{WallImpulse, WallVector};
-use crate::walls::{Around, Clock, Near, Wall, Walls, index_of};
+use crate::walls::{Around, Clock, Near, Wall, Walls, index_of, number_of};
 use jostle_base::error::Result;
+use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
 
@@ -28,6 +29,8 @@ use jostle_index::quadtree::Quadtree;
 pub(crate) struct Boundaries {
     /// The walls, the container and the coefficients of its sides.
     pub(crate) walls: Walls,
+    /// The id of each wall. The list of walls is in the order of adding.
+    pub(crate) ids: Ids,
     /// The impulses of the last step, sorted by row and wall.
     pub(crate) impulses: Vec<WallImpulse>,
     /// In a part of a step: the walls near each particle.
@@ -46,20 +49,27 @@ pub(crate) struct Boundaries {
 }
 
 impl Boundaries {
-    /// Walls with the impulses that they gave in the last step.
-    pub(crate) fn new(walls: Walls, impulses: Vec<WallImpulse>) -> Self {
-        Self { walls, impulses, ..Self::default() }
+    /// Walls with their ids, and the impulses that they gave in the last step.
+    pub(crate) fn new(walls: Walls, ids: Ids, impulses: Vec<WallImpulse>) -> Self {
+        Self { walls, ids, impulses, ..Self::default() }
     }
 
-    /// Replaces the walls in the same container. A wall that keeps its ends keeps its impulses for warm starting, so
-    /// that a pile on it stays at rest when another wall changes.
-    pub(crate) fn replace_walls(&mut self, new: Walls) {
-        let is_kept = |index: u32| {
-            let [old, new] = [&self.walls, &new].map(|walls| walls.all().get(index as usize));
-            old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
-        };
-        self.impulses.retain(|impulse| index_of(impulse.wall).is_none_or(is_kept));
-        self.walls = new;
+    /// Replaces the walls in the same container. A wall that keeps its id and its ends keeps its impulses for warm
+    /// starting, so that a pile on it stays at rest when another wall changes.
+    pub(crate) fn replace_walls(&mut self, new: Walls, ids: Ids) {
+        let (old, old_ids) = (&self.walls, &self.ids);
+        self.impulses.retain_mut(|impulse| {
+            let Some(row) = index_of(impulse.wall) else { return true };
+            let Some(now) = ids.row(old_ids.of(row)) else { return false };
+            impulse.wall = number_of(now);
+            old.all()[row as usize].ends == new.all()[now as usize].ends
+        });
+        (self.walls, self.ids) = (new, ids);
+    }
+
+    /// The id of the wall with a number, or the code of a side of the container.
+    pub(crate) fn id_of(&self, wall: u32) -> Id {
+        index_of(wall).map_or_else(|| self.walls.id_of(wall), |row| self.ids.of(row))
     }
 
     /// Begins an attempt at a step, which [`Boundaries::undo`] takes back.

@@ -32,7 +32,7 @@ pub(crate) fn drive(
         let indices = bodies.indices_of(&rows)?;
         // From here on this motor needs no memory.
         memory::reserve(&mut before.particles, indices.len())?;
-        memory::reserve(&mut before.walls, motor.walls.len())?;
+        memory::reserve(&mut before.walls, motor.walls.0.len())?;
         if !indices.is_empty() && drive.angular_velocity != 0.0 {
             reserve!(bodies.awake.rows.len(); bodies.awake.particles.spins);
         }
@@ -51,7 +51,7 @@ pub(crate) fn drive(
             all.velocities[index] = drive.velocity_at(offset);
             all.set_angular_velocity(index, drive.angular_velocity);
         }
-        for &wall in &motor.walls {
+        for wall in motor.walls.0.iter().filter_map(|&wall| boundaries.ids.row(wall)) {
             let wall = wall as usize;
             before.walls.push((wall, boundaries.walls.all()[wall].velocity));
             boundaries.walls.set_velocity(wall, drive.velocity());

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::World;
 use super::bodies::Bodies;
 use super::bodies::discs::{Discs, Persistent, RecentMotion};
-use super::bodies::ids::Ids;
+use super::bodies::ids::{Ids, PARTICLE};
 use super::distribution::Distribution;
 use super::islands::NONE;
 use super::islands::wake::{forget_woken, wake_all, wake_changed};
@@ -31,7 +31,7 @@ impl World {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
         // Memory for all particles, also if those that sleep wake.
-        let ids = self.bodies.ids.reserve(particles.len())?;
+        let ids = self.bodies.ids.reserve(particles.len(), &PARTICLE)?;
         let Discs { particles: awake, rows, persistent } = &mut self.bodies.awake;
         awake.reserve(&particles, new)?;
         persistent.reserve(&Persistent::default(), new)?;

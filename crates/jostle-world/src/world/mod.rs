@@ -31,6 +31,7 @@ pub(crate) mod renewal;
 pub(crate) mod bounds;
 pub(crate) mod islands;
 pub(crate) mod edits;
+pub(crate) mod wall_edits;
 pub(crate) mod totals;
 pub(crate) mod record;
 pub(crate) mod merge;
@@ -56,7 +57,7 @@ use crate::forces::{Influence, Influences, WallTemperatures};
 use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
 use crate::resting::Resting;
-use crate::walls::{Wall, Walls};
+use crate::walls::Walls;
 pub use bodies::Bodies;
 use bodies::discs::Discs;
 use boundaries::Boundaries;
@@ -292,27 +293,6 @@ impl World {
         Ok(())
     }
 
-    /// The walls, without those of the container.
-    pub fn walls(&self) -> &[Wall] {
-        self.boundaries.walls.all()
-    }
-
-    /// Changes the walls. If they are refused, the old ones stay. All particles wake, unless the walls are
-    /// those that there are. Particles that overlap a wall are pushed out in several steps.
-    pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
-        if walls == self.walls() {
-            return Ok(());
-        }
-        self.influences.check_walls(walls.len())?;
-        let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
-        walls.set_sides(self.settings.present_sides());
-        wake_all(self)?;
-        self.bodies.awake.persistent.recent_motions.clear();
-        self.record.totals.walls.truncate(walls.all().len());
-        self.boundaries.replace_walls(walls);
-        Ok(())
-    }
-
     /// The forces and all else that acts on particles, as given to [`World::set_forces`].
     pub fn forces(&self) -> Result<Vec<Influence>> {
         let mut influences = Influences::default();
@@ -360,7 +340,7 @@ impl World {
         influences.validate(|id| self.bodies.contains(id))?;
         influences.check_fit(self.settings.container)?;
         influences.check_sides(self.settings.container)?;
-        influences.check_walls(self.walls().len())?;
+        influences.check_walls(|id| self.has_wall(id))?;
         check_motors(&influences, &self.bodies)?;
         influences.renumber(|id| self.bodies.ids.row(id).map(Id::from));
         if influences == self.influences {

@@ -4,6 +4,7 @@
 //! and repeats an attempt that would touch sleeping particles, or on which processes do not agree. `step_once` is one
 //! attempt, and has the order of the stages.
 
+use super::boundaries::Boundaries;
 use super::bounds::find_bounds;
 use super::displacements::{check_displacements, parts};
 use super::drive::{Driven, drive};
@@ -111,7 +112,8 @@ impl World {
             drive(influences, bodies, boundaries, seconds, &mut driven)?;
             protocol.begin_step(world);
             check_displacements(world, single)?;
-            world.boundaries.walls.check_displacements(f64::from(single))?;
+            let Boundaries { walls, ids, .. } = &world.boundaries;
+            walls.check_displacements(f64::from(single), |wall| ids.of(wall))?;
             if !protocol.migrate(world)? {
                 return Ok(());
             }

@@ -96,7 +96,8 @@ impl World {
         scratch.grown.begin_part();
         scratch.renewed.begin_part();
         scratch.events.begin_part(particles.len())?;
-        scratch.wall_temperatures.fill(self.influences.thermal_walls(), self.time);
+        let row = |wall| self.boundaries.ids.row(wall);
+        scratch.wall_temperatures.fill(self.influences.thermal_walls(), row, self.time);
         self.boundaries.begin_substeps(plan.may_rest);
         let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
         Ok(Substeps { plan, flow, smallest_radius: smallest(&particles.radii) })

@@ -56,6 +56,11 @@ impl Totals {
         Err(damaged("the sums of the last call are wrong"))
     }
 
+    /// Leaves out the sums of walls that are removed.
+    pub(super) fn keep_walls(&mut self, mut stays: impl Iterator<Item = bool>) {
+        self.walls.retain(|_| stays.next().unwrap_or(false));
+    }
+
     /// Makes room for the walls of a step, so that [`Totals::add`] cannot fail.
     pub(super) fn make_room(&mut self, step: &StepSums) -> Result<()> {
         let last = step.walls.iter().map(|(wall, _)| *wall as usize + 1).max();

@@ -209,7 +209,7 @@ impl World {
                 self.boundaries.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
             let (normal, depth) = (contact.normal.map(|v| v as f32), -contact.gap as f32);
             let [normal_impulse, friction_impulse] = impulses;
-            let (id, wall) = (self.bodies.ids.of(row), self.boundaries.walls.id_of(wall));
+            let (id, wall) = (self.bodies.ids.of(row), self.boundaries.id_of(wall));
             Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };
         let all = self.boundaries.impulses.iter().chain(self.bodies.asleep.wall_impulses());

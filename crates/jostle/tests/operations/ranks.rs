@@ -11,7 +11,7 @@ use crate::common::worlds::boxed;
 use jostle_base::{Id, Result};
 use jostle_index::Each;
 use jostle_scenes::STEP;
-use jostle_world::forces::{Andersen, Flocking, ThermalWalls, Thermostat};
+use jostle_world::forces::{Andersen, Flocking, ThermalWalls, Thermostat, WallIds};
 use jostle_world::ranks;
 use jostle_world::ranks::{put_record, read_records};
 use jostle_world::{Changes, Influence, OnTouch, Particles, World, WorldSettings};
@@ -207,7 +207,7 @@ impl RanksCase {
             2 => Some(Influence::ThermalWalls(ThermalWalls {
                 temperature: 2.0,
                 sides: [true; 4],
-                walls: vec![],
+                walls: WallIds::default(),
                 seed,
             })),
             3 => Some(Influence::Flocking(Flocking {

@@ -14,7 +14,7 @@ use jostle_index::{Each, Filter};
 use jostle_scenes::STEP;
 use jostle_world::forces::{
     Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
-    Springs, ThermalWalls, Thermostat,
+    Springs, ThermalWalls, Thermostat, WallIds,
 };
 use jostle_world::{
     Changes, Container, Influence, OnTouch, Particles, Sides, Spin, Surface, Wall, World,
@@ -239,7 +239,7 @@ impl WorldCase {
             6 => Influence::ThermalWalls(ThermalWalls {
                 temperature: 2.0,
                 sides: [true, false, true, true],
-                walls: vec![],
+                walls: WallIds::default(),
                 seed,
             }),
             9 => {
@@ -252,7 +252,7 @@ impl WorldCase {
                 let (walls, ids) = (if draw.one_in(2) { vec![0] } else { vec![] }, some);
                 Influence::Motor(Motor {
                     ids,
-                    walls,
+                    walls: WallIds(walls),
                     center: [5.0; 2],
                     angular_velocity: 1.0,
                     velocity: [1.0, 0.5],

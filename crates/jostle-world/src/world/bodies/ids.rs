@@ -1,4 +1,4 @@
-//! The ids of the particles. They stay what they are when other particles are removed.
+//! The ids of particles, and of walls. They stay what they are when others are removed.
 //!
 //! Inside the world particles are named by rows, which have no gaps; ids are converted where
 //! they come in and go out. As long as nothing was removed, each id is its row.
@@ -13,6 +13,26 @@ use jostle_base::saved;
 
 /// Maximum length of the array that [`Bodies::renumbered`] returns; it takes 2 GiB.
 const MAX_RENUMBERED: usize = 1 << 27;
+
+/// What has ids, for messages.
+pub(crate) struct Named {
+    /// The noun: `particle`.
+    noun: &'static str,
+    /// Why an id may have ended.
+    end: &'static str,
+    /// The argument of new ones.
+    argument: &'static str,
+}
+
+/// Particles.
+pub(crate) const PARTICLE: Named = Named {
+    noun: "particle",
+    end: "it was removed, or merged into another",
+    argument: "positions",
+};
+
+/// Walls.
+pub(crate) const WALL: Named = Named { noun: "wall", end: "it was removed", argument: "segments" };
 
 /// The ids of all rows, ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -76,11 +96,12 @@ impl Ids {
     }
 
     /// The ids that so many new rows will get, with memory for them.
-    pub(crate) fn reserve(&mut self, count: usize) -> Result<Range<Id>> {
+    pub(crate) fn reserve(&mut self, count: usize, of: &Named) -> Result<Range<Id>> {
         let first = self.next;
         // An id is never given again, so that a caller's old id cannot name a new particle.
         let Some(end) = first.checked_add(count as Id) else {
-            return Err(Error::of("positions", count, "there are no ids left for new particles"));
+            let rule = format!("there are no ids left for new {}s", of.noun);
+            return Err(Error::of(of.argument, count, &rule));
         };
         if let Some(all) = &mut self.listed {
             memory::reserve(all, count)?;
@@ -111,12 +132,33 @@ impl Ids {
         Ok(Self { listed: Some(listed), next: self.next })
     }
 
-    /// What is wrong with an id that no particle has.
-    fn refuse(&self, index: usize, id: Id) -> Error {
+    /// The rows of some ids. Refuses ids that nothing has.
+    pub(crate) fn rows_of(&self, ids: &[Id], of: &Named) -> Result<Vec<u32>> {
+        let row = |(index, &id)| self.row(id).ok_or_else(|| self.refuse(index, id, of));
+        memory::try_collect(ids.iter().enumerate().map(row))
+    }
+
+    /// The rows of some ids. Refuses ids that nothing has, and ids given twice.
+    pub(crate) fn distinct_rows_of(&self, ids: &[Id], of: &Named) -> Result<Vec<u32>> {
+        let rows = self.rows_of(ids, of)?;
+        if rows.is_sorted_by(|a, b| a < b) {
+            return Ok(rows);
+        }
+        let mut sorted = memory::collect((0..rows.len()).map(|index| (rows[index], index)))?;
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).filter(|two| two[0].0 == two[1].0);
+        match twice.map(|two| two[1].1).min() {
+            Some(index) => Err(Error::at("ids", index, ids[index], "it is given twice")),
+            None => Ok(rows),
+        }
+    }
+
+    /// What is wrong with an id that nothing has.
+    fn refuse(&self, index: usize, id: Id, Named { noun, end, .. }: &Named) -> Error {
         let rule = if (0..self.next).contains(&id) {
-            "no particle has this id any more: it was removed, or merged into another".to_string()
+            format!("no {noun} has this id any more: {end}")
         } else {
-            format!("no particle has this id; ids are below {}", self.next)
+            format!("no {noun} has this id; ids are below {}", self.next)
         };
         Error::at("ids", index, id, &rule)
     }
@@ -135,23 +177,12 @@ impl Bodies {
 
     /// The rows of some ids. Refuses ids that no particle has.
     pub fn rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
-        let row = |(index, &id)| self.ids.row(id).ok_or_else(|| self.ids.refuse(index, id));
-        memory::try_collect(ids.iter().enumerate().map(row))
+        self.ids.rows_of(ids, &PARTICLE)
     }
 
     /// The rows of some ids. Refuses ids that no particle has, and ids given twice.
     pub fn distinct_rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
-        let rows = self.rows_of(ids)?;
-        if rows.is_sorted_by(|a, b| a < b) {
-            return Ok(rows);
-        }
-        let mut sorted = memory::collect((0..rows.len()).map(|index| (rows[index], index)))?;
-        sorted.sort_unstable();
-        let twice = sorted.windows(2).filter(|two| two[0].0 == two[1].0);
-        match twice.map(|two| two[1].1).min() {
-            Some(index) => Err(Error::at("ids", index, ids[index], "it is given twice")),
-            None => Ok(rows),
-        }
+        self.ids.distinct_rows_of(ids, &PARTICLE)
     }
 
     /// The present id of each id that was given; None where no particle has it. `merged` are old and new ids.
@@ -209,10 +240,10 @@ mod tests {
     #[test]
     fn ids_run_out_and_never_repeat() {
         let mut ids = Ids::read(Some(vec![4]), 1, Id::MAX - 2).unwrap();
-        assert_eq!(ids.reserve(2), Ok(Id::MAX - 2..Id::MAX));
+        assert_eq!(ids.reserve(2, &PARTICLE), Ok(Id::MAX - 2..Id::MAX));
         ids.add(Id::MAX - 2..Id::MAX);
-        assert!(ids.reserve(1).unwrap_err().to_string().contains("no ids left"));
-        assert_eq!(ids.reserve(0), Ok(Id::MAX..Id::MAX));
+        assert!(ids.reserve(1, &PARTICLE).unwrap_err().to_string().contains("no ids left"));
+        assert_eq!(ids.reserve(0, &PARTICLE), Ok(Id::MAX..Id::MAX));
         assert_eq!([4, Id::MAX - 1, Id::MAX].map(|id| ids.row(id)), [Some(0), Some(2), None]);
     }
 }

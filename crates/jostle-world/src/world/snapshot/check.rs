@@ -119,7 +119,8 @@ pub(super) fn finish(world: &mut World) -> Result<()> {
     let walls = memory::copy(mem::take(&mut boundaries.walls).all())?;
     boundaries.walls = Walls::new(walls, container, tree).map_err(refused)?;
     boundaries.walls.set_sides(settings.present_sides());
-    influences.check_walls(boundaries.walls.all().len()).map_err(refused)?;
+    boundaries.ids.check(boundaries.walls.all().len()).map_err(refused)?;
+    influences.check_walls(|id| boundaries.ids.row(id).is_some()).map_err(refused)?;
     check_wall_impulses(boundaries, bodies)?;
     bodies.ids.check(len).map_err(refused)?;
     if let Some(external) = &external.accelerations {

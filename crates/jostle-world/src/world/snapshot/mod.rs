@@ -19,7 +19,7 @@ use jostle_base::error::Result;
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 
 impl Saved for World {
     fn put(&self, to: &mut Writer) {
@@ -36,6 +36,7 @@ impl Saved for World {
         boundaries.impulses.put(to);
         influences.put(to);
         boundaries.walls.put(to);
+        boundaries.ids.put(to);
         external.put(to);
         record.put(to);
         attachment.put(to);
@@ -45,14 +46,14 @@ impl Saved for World {
         // Without `..Self::default()`, so that the compiler asks for each new field.
         let (settings, time) = (Saved::get(from)?, Saved::get(from)?);
         let (bodies, contacts) = (Saved::get(from)?, Saved::get(from)?);
-        let (impulses, influences, walls) =
-            (Saved::get(from)?, Saved::get(from)?, Saved::get(from)?);
+        let (impulses, influences) = (Saved::get(from)?, Saved::get(from)?);
+        let (walls, wall_ids) = (Saved::get(from)?, Saved::get(from)?);
         Ok(Self {
             settings,
             time,
             bodies,
             contacts,
-            boundaries: Boundaries::new(walls, impulses),
+            boundaries: Boundaries::new(walls, wall_ids, impulses),
             influences,
             external: Saved::get(from)?,
             record: Saved::get(from)?,
