@@ -75,18 +75,22 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) -> Resu
     if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
         bounced.sort_unstable_by(Bounce::order);
     }
-    // A pair of particles belongs to the process of the first.
-    let is_own = |index: u32| rows[index as usize] < halo.own_rows();
+    // A pair belongs to the process of the smaller index that is movable: that of an immovable particle may not know
+    // all that touches it.
+    let is_own = |[a, b]: [u32; 2]| {
+        let (first, second) = (a.min(b), a.max(b));
+        let is_first = second == WALL || particles.movable[first as usize];
+        rows[if is_first { first } else { second } as usize] < halo.own_rows()
+    };
     let sums = &mut record.of_step;
-    for bounce in bounced.iter().filter(|bounce| is_own(bounce.pair[0])) {
+    for bounce in bounced.iter().filter(|bounce| is_own(bounce.pair)) {
         let radius = |index: u32| f64::from(particles.radii[index as usize]);
         let [a, b] = bounce.pair;
         let contact_distance = if b == WALL { 0.0 } else { radius(a) + radius(b) };
         sums.add_bounce(bounce, contact_distance, &settings.container)?;
     }
     for rested in contacts.blocks().iter().flat_map(Block::rested) {
-        let [a, b] = rested.pair;
-        if is_own(a.min(b)) {
+        if is_own(rested.pair) {
             let (distance, normal) = (rested.contact_distance.into(), rested.normal.map(f64::from));
             sums.add_contact(distance, normal, rested.impulses);
         }
