@@ -18,7 +18,7 @@ starts = [(start.x, start.y) for start in tiled.layernames["starts"]]
 slopes = [jostle.polyline(line.points) for line in tiled.layernames["slopes"]]
 
 space, rng = jostle.Space(), np.random.default_rng(3)
-space.walls = np.concatenate(slopes)
+space.add(segments=np.concatenate(slopes), categories=WALL)
 space.add(boxes=walls, categories=WALL)
 space.add(boxes=ledges, categories=LEDGE)
 ids = space.add(starts * 6, 2.0, (3, 5), categories=WALKER)
@@ -35,6 +35,6 @@ for screen in show.frames("A map of Tiled", until=300):
     for boxes, color in zip(all_boxes, (show.DIM, show.GREEN, show.ORANGE)):
         for left, top, right, bottom in boxes:
             pygame.draw.rect(screen, color, (left, top, right - left, bottom - top))
-    for start, end in space.walls:
+    for start, end in np.concatenate(slopes):
         pygame.draw.line(screen, show.YELLOW, start, end, 3)
     show.caption(screen, f"{np.count_nonzero(layers)} tiles in {len(walls) + len(ledges)} boxes")

@@ -146,6 +146,8 @@ _AnyPoint: TypeAlias = _Point | Sequence[_Real]
 _OneOrMorePoints: TypeAlias = _AnyPoint | _Points
 _Vectors: TypeAlias = ArrayLike | _Vector | Sequence[_Vector]
 _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
+_Segment: TypeAlias = Sequence[Sequence[_Real] | _Vector]
+_Segments: TypeAlias = _Array | Sequence[Sequence[Sequence[_Real] | _Vector] | _Array]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Period: TypeAlias = _Number | tuple[_Number | None, _Number | None] | Sequence[_Number] | _Array
@@ -182,6 +184,7 @@ def find_pairs(
     half_sizes: ArrayLike | None = None,
     *,
     boxes: None = None,
+    segments: None = None,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
     distance: _Number = 0.0,
@@ -193,14 +196,14 @@ def find_pairs(
 ) -> _Pairs:
     """Find every pair of overlapping shapes.
 
-    A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-    ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
+    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
+    one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0.
     Touching is not overlapping.
 
     Parameters
     ----------
     positions : array_like, shape (n, 2), optional
-        Centres, in any unit of length; required unless `boxes` is given.
+        Centres, in any unit of length; required unless `boxes` or `segments` are given.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
@@ -212,6 +215,10 @@ def find_pairs(
         width and height. The four numbers are compared without rounding:
         boxes that share an edge never overlap, whereas sides computed as
         ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+    segments : array_like, shape (n, 2, 2), optional
+        Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
+        capsules with `radii`. Segments that cross overlap; those that share an end, or lie on one
+        line, do not. With a period the ends are at most one period apart along each axis.
     categories, masks : array_like of int, a number or shape (n,), optional
         Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
         ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
@@ -242,8 +249,8 @@ def find_pairs(
     Raises
     ------
     TypeError
-        If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
-        is given.
+        If an argument does not hold numbers, or if not exactly one of `positions`, `boxes`
+        and `segments` is given.
     ValueError
         If a shape is wrong, a value is not finite, a size is negative or out of range, or
         more than `max_pairs` pairs overlap.
@@ -281,6 +288,8 @@ def find_pairs(
            [1, 2]])
     >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
     array([[1, 2]])
+    >>> jostle.find_pairs(segments=[[(0, 0), (2, 2)], [(0, 2), (2, 0)], [(2, 2), (4, 2)]])
+    array([[0, 1]])
     >>> jostle.find_pairs([(0.5, 0), (3, 0), (9.5, 0)], distance=2.0, period=10)
     array([[0, 2]])
     """
@@ -292,6 +301,24 @@ def find_pairs(
     half_sizes: None = None,
     *,
     boxes: _Boxes,
+    segments: None = None,
+    categories: ArrayLike | None = None,
+    masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
+    method: Literal["auto", "brute", "quadtree"] = "auto",
+    sort: bool = False,
+    max_pairs: SupportsIndex = 134217728,
+    threads: SupportsIndex | None = None,
+) -> _Pairs: ...
+@overload
+def find_pairs(
+    positions: None = None,
+    radii: ArrayLike = 0.0,
+    half_sizes: None = None,
+    *,
+    boxes: None = None,
+    segments: ArrayLike,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
     distance: _Number = 0.0,
@@ -674,9 +701,9 @@ class _Queries:
     ) -> _Ids:
         """Find the shapes that contain a point, or each of many points.
 
-        A circle or a rounded box contains its edge. A rectangle contains its left and its
-        upper edge, but not the right and the lower, as in pygame, so tiles side by side
-        share no point. A rectangle of width and height 0 is a circle of radius 0.
+        A circle, a rounded box, a segment or a capsule contains its edge. A rectangle contains
+        its left and its upper edge, but not the right and the lower, as in pygame, so tiles side
+        by side share no point. A rectangle of width and height 0 is a circle of radius 0.
 
         Parameters
         ----------
@@ -1217,15 +1244,15 @@ class _Queries:
 class Quadtree(_Queries):
     """A quadtree over shapes that do not change.
 
-    A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-    ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0. The
+    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
+    one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0. The
     tree is built once, for any positions; there are no bounds to choose. Several threads may
     query it at the same time.
 
     Parameters
     ----------
     positions : array_like, shape (n, 2), optional
-        Centres, in any unit of length; required unless `boxes` is given.
+        Centres, in any unit of length; required unless `boxes` or `segments` are given.
     radii : array_like, a number or shape (n,), default 0.0
         Radii, in the same unit.
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
@@ -1237,6 +1264,10 @@ class Quadtree(_Queries):
         width and height. The four numbers are compared without rounding:
         boxes that share an edge never overlap, whereas sides computed as
         ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+    segments : array_like, shape (n, 2, 2), optional
+        Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
+        capsules with `radii`. Segments that cross overlap; those that share an end, or lie on one
+        line, do not. With a period the ends are at most one period apart along each axis.
     categories : array_like of int, a number or shape (n,), optional
         Categories of each shape, as a set of 32 bits; 1 if omitted.
     masks : array_like of int, a number or shape (n,), optional
@@ -1261,8 +1292,8 @@ class Quadtree(_Queries):
     Raises
     ------
     TypeError
-        If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
-        is given.
+        If an argument does not hold numbers, or if not exactly one of `positions`, `boxes`
+        and `segments` is given.
     ValueError
         If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 
@@ -1307,6 +1338,7 @@ class Quadtree(_Queries):
         half_sizes: ArrayLike | None = None,
         *,
         boxes: None = None,
+        segments: None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         period: _Period | None = None,
@@ -1322,6 +1354,23 @@ class Quadtree(_Queries):
         half_sizes: None = None,
         *,
         boxes: _Boxes,
+        segments: None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
+        period: _Period | None = None,
+        leaf_capacity: SupportsIndex = 96,
+        max_depth: SupportsIndex = 4096,
+        threads: SupportsIndex | None = None,
+    ) -> Self: ...
+    @overload
+    def __new__(
+        cls,
+        positions: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: None = None,
+        segments: ArrayLike,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         period: _Period | None = None,
@@ -1521,6 +1570,11 @@ class Quadtree(_Queries):
         They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``.
         """
     @property
+    def segments(self) -> NDArray[np.floating[Any]]:
+        """Start and end of the segments: ndarray of the tree's dtype, shape (n, 2, 2), a copy; NaN for
+        shapes that are none. With a period their centres are in ``[0, period)``.
+        """
+    @property
     def categories(self) -> NDArray[np.uint32]:
         """Categories: ndarray of uint32, shape (n,), a copy."""
     @property
@@ -1540,8 +1594,8 @@ class Space(_Queries):
     """A collection of shapes that can be added, moved, changed and removed, and of the pairs that
     overlap.
 
-    A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-    ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
+    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
+    one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0.
     Each shape has an id, which is never used again for another shape. The cost depends on the
     shapes that change: a million shapes at rest cost much less than a thousand that move.
     Every query includes all previous changes.
@@ -1610,6 +1664,7 @@ class Space(_Queries):
         half_sizes: ArrayLike | None = None,
         *,
         boxes: None = None,
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int:
@@ -1618,7 +1673,7 @@ class Space(_Queries):
         Parameters
         ----------
         positions : array_like, shape (k, 2) or (2,), optional
-            Centres; required unless `boxes` is given.
+            Centres; required unless `boxes` or `segments` are given.
         radii : array_like, a number or shape (k,), default 0.0
             Radii.
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
@@ -1629,6 +1684,10 @@ class Space(_Queries):
             are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
             x, y, width and height. The four numbers are compared without rounding: boxes that share
             an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded.
+        segments : array_like, shape (k, 2, 2) or (2, 2), optional
+            Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
+            capsules with `radii`. Segments that cross overlap; those that share an end do not. With a
+            period the ends are at most one period apart along each axis.
         categories : array_like of int, a number or shape (k,), default 1
             Categories of each shape, as a set of 32 bits.
         masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
@@ -1647,8 +1706,8 @@ class Space(_Queries):
         Raises
         ------
         TypeError
-            If an argument does not hold numbers, or if not exactly one of `positions` and
-            `boxes` is given.
+            If an argument does not hold numbers, or if not exactly one of `positions`,
+            `boxes` and `segments` is given.
         ValueError
             If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
             or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
@@ -1668,6 +1727,8 @@ class Space(_Queries):
         2
         >>> space.add(boxes=[(0, 3, 0.1, 4), (0.1, 3, 0.2, 4)])
         array([3, 4])
+        >>> space.add(segments=jostle.polyline([(-1, 1), (6, 1), (6, 9)]))
+        array([5, 6])
         """
     @overload
     def add(
@@ -1677,6 +1738,7 @@ class Space(_Queries):
         half_sizes: ArrayLike | None = None,
         *,
         boxes: None = None,
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> _Ids: ...
@@ -1688,6 +1750,7 @@ class Space(_Queries):
         half_sizes: ArrayLike | None = None,
         *,
         boxes: None = None,
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int: ...
@@ -1699,6 +1762,7 @@ class Space(_Queries):
         half_sizes: ArrayLike | None = None,
         *,
         boxes: None = None,
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int | _Ids | Any: ...
@@ -1710,6 +1774,7 @@ class Space(_Queries):
         half_sizes: None = None,
         *,
         boxes: tuple[_Real, _Real, _Real, _Real] | _Rect,
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int: ...
@@ -1721,6 +1786,7 @@ class Space(_Queries):
         half_sizes: None = None,
         *,
         boxes: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> _Ids: ...
@@ -1732,6 +1798,7 @@ class Space(_Queries):
         half_sizes: None = None,
         *,
         boxes: Sequence[_Real],
+        segments: None = None,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int: ...
@@ -1743,6 +1810,43 @@ class Space(_Queries):
         half_sizes: None = None,
         *,
         boxes: _Undecided,
+        segments: None = None,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int | _Ids | Any: ...
+    @overload
+    def add(
+        self,
+        positions: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: None = None,
+        segments: _Segment,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> int: ...
+    @overload
+    def add(
+        self,
+        positions: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: None = None,
+        segments: _Segments,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = 0xFFFFFFFF,
+    ) -> _Ids: ...
+    @overload
+    def add(
+        self,
+        positions: None = None,
+        radii: ArrayLike = 0.0,
+        half_sizes: None = None,
+        *,
+        boxes: None = None,
+        segments: _Undecided,
         categories: ArrayLike = 1,
         masks: ArrayLike = 0xFFFFFFFF,
     ) -> int | _Ids | Any: ...
@@ -1767,13 +1871,13 @@ class Space(_Queries):
         on. The time of impact is computed along the whole path, so nothing passes through an
         obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
         joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
-        boxes, rounded boxes and the line segments of `walls`.
+        boxes, line segments and those with a radius.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            The shapes to move, each at most once. A shape that was given as a box, and that moves,
-            is stored as ``center ± half_size`` from then on.
+            The shapes to move, each at most once: circles and boxes, no segments. A shape that was
+            given as a box, and that moves, is stored as ``center ± half_size`` from then on.
         displacements : array_like, shape (k, 2), or (2,) for one id
             By how much each is to move: its velocity times the duration of a step.
         mask : int, optional
@@ -1795,7 +1899,8 @@ class Space(_Queries):
             Whether a shape that walks moves along a floor as far as its displacement leads across
             `up`, uphill and downhill. Otherwise its way depends on the slope and on gravity.
         one_way : int, default 0
-            Categories of the obstacles that stop only shapes that are above them and move down.
+            Categories of the obstacles that stop only shapes that are above them and move down. To be
+            above a segment is to be above the line through its ends; one along `up` stops nothing.
         max_slides : int, default 4
             Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
             last one.
@@ -1811,12 +1916,11 @@ class Space(_Queries):
                 The displacements that were given, without their components into the obstacles:
                 divided by the duration of the step, the velocities for the next step.
             hits : IdLists
-                Ids of the obstacles that each shape has met, each once; -2 minus its index for a
-                wall.
+                Ids of the obstacles that each shape has met, each once.
             normals : ndarray of the space's dtype, shape (m, 2)
                 Unit normal of each hit, towards the shape.
             floor : ndarray of int64, shape (k,)
-                Id of the last floor, as in `hits`; -1 if there is none.
+                Id of the last floor; -1 if there is none.
             platform_velocity : ndarray of the space's dtype, shape (k, 2)
                 The displacement of that floor since the last call for the shape; without one, that
                 of the floor on which the shape stood before.
@@ -1830,13 +1934,13 @@ class Space(_Queries):
         TypeError
             If an argument has the wrong type.
         ValueError
-            If an id does not exist or is given twice, or a value is not finite or out of range;
-            then nothing moves.
+            If an id does not exist, is given twice or belongs to a segment, or a value is not finite or
+            out of range; then nothing moves.
 
         See Also
         --------
         set : Sets positions, also where other shapes are.
-        walls : Line segments, for slopes and outlines of polygons.
+        jostle.polyline : Line segments, for slopes and outlines of polygons.
         tiles : Merges the tiles of a grid into few boxes.
 
         Notes
@@ -1885,6 +1989,14 @@ class Space(_Queries):
         >>> slide = space.move_and_slide(player, (1000, 5))
         >>> slide.on_floor, slide.on_wall, space.get(player).positions.round(6)
         (True, True, array([48.,  6.]))
+
+        Another one walks up a slope.
+
+        >>> flat, slope = space.add(segments=jostle.polyline([(-40, 50), (0, 50), (40, 20)]))
+        >>> walker = space.add((-5, 48), radii=2.0)
+        >>> slide = space.move_and_slide(walker, (25, 1))
+        >>> slide.on_floor, slide.floor == slope
+        (True, True)
         """
     @overload
     def move_and_slide(
@@ -1963,6 +2075,7 @@ class Space(_Queries):
         radii: ArrayLike | None = None,
         half_sizes: ArrayLike | None = None,
         boxes: _Boxes | None = None,
+        segments: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
     ) -> None:
@@ -1988,6 +2101,8 @@ class Space(_Queries):
         boxes : array_like, shape (k, 4), or (4,) for one id, optional
             In place of `positions` and `half_sizes`, sides min_x, min_y, max_x, max_y of each shape,
             or pygame's Rects, as in :meth:`add`.
+        segments : array_like, shape (k, 2, 2), or (2, 2) for one id, optional
+            In place of `positions` and `half_sizes`, start and end of each shape.
         categories : array_like of int, a number or shape (k,), optional
             Categories, sets of 32 bits.
         masks : array_like of int, a number or shape (k,), optional
@@ -1996,8 +2111,8 @@ class Space(_Queries):
         Raises
         ------
         TypeError
-            If an argument does not hold numbers, or `boxes` is given beside `positions` or
-            `half_sizes`.
+            If an argument does not hold numbers, or several of `positions`, `boxes` and
+            `segments` are given, or one of the last two beside `half_sizes`.
         ValueError
             If an id does not exist or is given twice, a value is not finite or out of range, or a
             minimum is above its maximum; then nothing changes.
@@ -2109,6 +2224,54 @@ class Space(_Queries):
         """
     @boxes.setter
     def boxes(self, value: _Boxes) -> None: ...
+    @property
+    def segments(self) -> NDArray[np.floating[Any]]:
+        """Start and end of the segments: ndarray of the space's dtype, shape (n, 2, 2), a read-only copy; NaN
+        for shapes that are none.
+
+        Assign to it to give all shapes segments. NaN is for shapes that are none and stay as they are.
+        With a period the middle of a segment is in ``[0, period)``.
+
+        See Also
+        --------
+        jostle.polyline : Segments between consecutive points.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add(segments=jostle.polyline([(0, 0), (2, 0), (2, 4)]))
+        >>> space.segments[1]
+        array([[2., 0.],
+               [2., 4.]])
+        >>> space.set(ids[1], positions=(3, 2))
+        >>> space.get(ids[1]).segments
+        array([[3., 0.],
+               [3., 4.]])
+        """
+    @segments.setter
+    def segments(self, value: ArrayLike) -> None: ...
+    def bounds(self) -> NDArray[np.floating[Any]]:
+        """The sides of the bounding boxes: min_x, min_y, max_x, max_y of each shape with its radius.
+
+        Returns
+        -------
+        ndarray of the space's dtype, shape (n, 4)
+            In the order of adding.
+
+        See Also
+        --------
+        boxes : Without the radii.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (3, 4)], radii=1.0)
+        >>> space.bounds()
+        array([[-1., -1.,  1.,  1.],
+               [ 2.,  3.,  4.,  5.]])
+        """
     @property
     def categories(self) -> NDArray[np.uint32]:
         """Categories, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an
@@ -2329,40 +2492,6 @@ class Space(_Queries):
         >>> contacts.points[:, 0]
         array([[0.  , 0.75]])
         """
-    @property
-    def walls(self) -> NDArray[np.floating[Any]]:
-        """Walls: ndarray of the space's precision, shape (m, 2, 2), a read-only copy of the ends of
-        line segments in units of length.
-
-        They are obstacles of `move_and_slide`, solid from both sides, and nothing else: pairs and
-        queries ignore them, and they have neither ids nor categories. Assign an array of this shape,
-        or None for no walls. In the `hits` and `floors` of `move_and_slide` the wall with the index
-        k has the number -2 - k.
-
-        Raises
-        ------
-        ValueError
-            If the shape is wrong, a coordinate is not finite, or the ends of a wall are equal.
-
-        See Also
-        --------
-        jostle.polyline : Walls between consecutive points.
-        move_and_slide : Moves shapes along walls.
-
-        Examples
-        --------
-        A character walks up a slope.
-
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> space.walls = jostle.polyline([(-10, 0), (0, 0), (40, -30)])
-        >>> player = space.add((-5, -2), radii=2.0)
-        >>> slide = space.move_and_slide(player, (25, 1))
-        >>> slide.on_floor, slide.floor
-        (True, -3)
-        """
-    @walls.setter
-    def walls(self, value: ArrayLike | None) -> None: ...
     @property
     def ids(self) -> _Ids:
         """The ids of all shapes, in the order of adding: ndarray of int64, shape (n,), a read-only copy."""

@@ -1,4 +1,4 @@
-"""Walls of a `World` and of a `Space`."""
+"""Sides of a container, and line segments for walls."""
 
 from __future__ import annotations
 
@@ -42,23 +42,23 @@ class Side(enum.IntEnum):
 
 
 def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.floating]:
-    """Return the walls between consecutive points.
+    """Return the line segments between consecutive points.
 
-    Points that equal the one before are left out, so no wall has length 0.
+    Points that equal the one before are left out, so no segment has length 0.
 
     Parameters
     ----------
     points : array_like, shape (n, 2)
         In units of length.
     closed : bool, default False
-        Whether there is a wall from the last point to the first.
+        Whether there is a segment from the last point to the first.
 
     Returns
     -------
     ndarray of float32 if `points` has this type, otherwise of float64, shape (m, 2, 2)
-        The ends of each wall, for `World` and `Space`; `numpy.concatenate` joins several
-        polylines. `World` rounds them to float32, `Space` to its own type; both refuse walls
-        whose ends are equal then.
+        Start and end of each segment: walls of a `World`, which rounds them to float32 and refuses
+        those whose ends are equal then, or `segments` of a `Space`, of a `Quadtree` or of
+        `find_pairs`. `numpy.concatenate` joins several polylines.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.floating]:
     See Also
     --------
     jostle.World.walls : The walls of a world.
-    jostle.Space.walls : The walls along which `move_and_slide` moves shapes.
+    jostle.Space.add : Takes segments, along which `move_and_slide` moves other shapes.
 
     Examples
     --------

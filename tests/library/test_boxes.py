@@ -421,8 +421,8 @@ def test_float32_boxes_are_compared_in_float32() -> None:
 
 ONE = [(0, 0, 1, 1)]
 WRONG = [
-    ({}, TypeError, "positions or boxes must be given"),
-    ({"half_sizes": 1}, TypeError, "positions or boxes must be given"),
+    ({}, TypeError, "positions, boxes or segments must be given"),
+    ({"half_sizes": 1}, TypeError, "positions, boxes or segments must be given"),
     ({"positions": [(0, 0)], "boxes": ONE}, TypeError, "leave out positions"),
     ({"half_sizes": 1, "boxes": ONE}, TypeError, "leave out half_sizes"),
     ({"boxes": [(0, 0, 1, 1), (2, 0, 1, 1)]}, ValueError, r"boxes\[1\] is \(2, 0, 1, 1\); it must"),

@@ -217,8 +217,8 @@ WRONG_VALUES = [
 WRONG_TYPES = [
     (
         {"positions": None},
-        "positions or boxes must be given: positions of shape (n, 2), or boxes of shape (n, 4), "
-        "which are min_x, min_y, max_x, max_y",
+        "positions, boxes or segments must be given: positions of shape (n, 2), boxes of shape "
+        "(n, 4), which are min_x, min_y, max_x, max_y, or segments of shape (n, 2, 2)",
     ),
     ({"positions": "here"}, "positions must hold real numbers, not str"),
     ({"positions": [("0", "1")]}, "positions must hold real numbers, not <U1"),
@@ -312,8 +312,8 @@ def test_the_defaults_of_its_signature_are_its_defaults() -> None:
     defaults = {name: p.default for name, p in parameters.items()}
     assert defaults.pop("positions") is None
     assert defaults == {
-        "boxes": None, "categories": None, "masks": None, "radii": 0.0, "half_sizes": None,
-        "method": "auto", "sort": False, "max_pairs": 2**27, "threads": None, "distance": 0.0,
-        "period": None,
+        "boxes": None, "segments": None, "categories": None, "masks": None, "radii": 0.0,
+        "half_sizes": None, "method": "auto", "sort": False, "max_pairs": 2**27, "threads": None,
+        "distance": 0.0, "period": None,
     }  # fmt: skip
     assert jostle.find_pairs(POINTS, **defaults).tolist() == jostle.find_pairs(POINTS).tolist()

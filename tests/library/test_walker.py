@@ -14,7 +14,7 @@ WALL, HERO = 1, 2
 def ground(*points) -> jostle.Space:
     """A space with a polyline as the ground; y grows downwards."""
     space = jostle.Space()
-    space.walls = jostle.polyline(points)
+    space.add(segments=jostle.polyline(points))
     return space
 
 
@@ -240,7 +240,7 @@ def test_no_overlap_and_no_crossing(seed: int) -> None:
     line = np.column_stack([xs, rng.uniform(-30, 30, 40).round(rng.integers(0, 2))])
     ends = line[[0, -1]] - (0, 500)
     fence = np.concatenate([ends[:1], line, ends[1:]])
-    space.walls = jostle.polyline(fence)
+    space.add(segments=jostle.polyline(fence))
     low = np.column_stack([rng.uniform(0, 600, 15), rng.uniform(-80, -20, 15)]).round()
     boxes = np.concatenate([low, low + rng.uniform(2, 30, (15, 2)).round()], axis=1)
     space.add(boxes=boxes)

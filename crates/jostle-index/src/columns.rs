@@ -1,7 +1,7 @@
 //! Shapes as a structure of arrays, so that vector instructions load the numbers of adjacent
 //! shapes at once.
 
-use crate::geometry::{Scalar, Shape};
+use crate::geometry::{Core, Scalar, Shape};
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes, corners};
 use jostle_base::error::Result;
 use jostle_base::interrupt;
@@ -16,7 +16,7 @@ pub const SPARE: usize = 2 * LANES;
 /// whole block at any row.
 ///
 /// Some columns may be empty: half sizes if all shapes are circles or given as boxes, upper
-/// corners if all are given by their centres, filters if all shapes may pair.
+/// corners if all are given by their centres, cores if all are boxes, filters if all shapes may pair.
 #[derive(Clone, Debug, Default)]
 pub struct Columns<T> {
     len: usize,
@@ -34,6 +34,8 @@ pub struct Columns<T> {
     pub half_x: Vec<T>,
     /// Half heights; empty if every shape is a circle or a box.
     pub half_y: Vec<T>,
+    /// What each core is within its box; empty if all are boxes.
+    pub core: Vec<Core>,
     /// Categories; empty if all shapes may pair.
     pub category: Vec<u32>,
     /// Masks; empty if all shapes may pair.
@@ -85,6 +87,7 @@ impl<T: Scalar> Columns<T> {
             radius: copy(&self.radius)?,
             half_x: copy(&self.half_x)?,
             half_y: copy(&self.half_y)?,
+            core: copy(&self.core)?,
             category: copy(&self.category)?,
             mask: copy(&self.mask)?,
         })
@@ -109,7 +112,7 @@ impl<T: Scalar> Columns<T> {
         row: impl Fn(usize) -> usize + Sync + Send,
     ) -> Result<()> {
         let len = self.len;
-        let Shapes { radii, half_sizes, boxes, filters, .. } = shapes;
+        let Shapes { radii, half_sizes, boxes, cores, filters, .. } = shapes;
         let pairs = |to: [&mut Vec<T>; 2], from: &[[T; 2]]| {
             put_pairs(to, len, threads, |index| from[row(index)])
         };
@@ -129,6 +132,13 @@ impl<T: Scalar> Columns<T> {
             Some(Each::Rows(sizes)) => pairs(half, sizes)?,
             Some(Each::One(size)) => put_pairs(half, len, threads, |_| *size)?,
         }
+        match cores {
+            None => self.core.clear(),
+            Some(cores) => {
+                let cores = |index: usize| cores[row(index)];
+                put(&mut self.core, len, threads, cores)?;
+            }
+        }
         match filters {
             None => [&mut self.category, &mut self.mask].into_iter().for_each(Vec::clear),
             Some([categories, masks]) => {
@@ -143,8 +153,11 @@ impl<T: Scalar> Columns<T> {
     pub fn memory_bytes(&self) -> usize {
         let [half_x, half_y, max_x, max_y] = [&self.half_x, &self.half_y, &self.max_x, &self.max_y];
         let numbers = [&self.x, &self.y, &self.radius, half_x, half_y, max_x, max_y];
+        let cores = self.core.capacity() * size_of::<Core>();
         let bits = self.category.capacity() + self.mask.capacity();
-        numbers.map(Vec::capacity).iter().sum::<usize>() * size_of::<T>() + bits * size_of::<u32>()
+        numbers.map(Vec::capacity).iter().sum::<usize>() * size_of::<T>()
+            + bits * size_of::<u32>()
+            + cores
     }
 
     /// Number of shapes.
@@ -166,6 +179,12 @@ impl<T: Scalar> Columns<T> {
     #[inline(always)]
     pub fn has_boxes(&self) -> bool {
         !self.max_x.is_empty()
+    }
+
+    /// Whether the core of a shape may be something else than its box.
+    #[inline(always)]
+    pub fn has_cores(&self) -> bool {
+        !self.core.is_empty()
     }
 
     /// `max` of the shapes, x; the centres if no shape is given as a box.
@@ -206,6 +225,7 @@ impl<T: Scalar> Columns<T> {
             radius: if round { self.radius[row] } else { T::ZERO },
             category: if filtered { self.category[row] } else { DEFAULT_CATEGORY },
             mask: if filtered { self.mask[row] } else { DEFAULT_MASK },
+            core: if self.has_cores() { self.core[row] } else { Core::Box },
         }
     }
 }
@@ -226,13 +246,35 @@ fn put_each<V: Copy + Default + Send + Sync>(
         // One value for all still gets a column. Kernels would need a copy of each loop for a
         // single radius, and the column is read in order, which is the cheapest kind of reading.
         Each::One(value) => column[..len].fill(*value),
-        Each::Rows(values) => parallel::for_chunks(threads, &mut column[..len], |first, chunk| {
-            for (offset, to) in chunk.iter_mut().enumerate() {
-                *to = values[row(first + offset)];
-            }
-        }),
+        Each::Rows(values) => fill(&mut column[..len], threads, |index| values[row(index)]),
     }
     Ok(())
+}
+
+/// Fills a column of `len` values and its spare rows, from one value for each.
+fn put<V: Copy + Default + Send + Sync>(
+    column: &mut Vec<V>,
+    len: usize,
+    threads: Option<usize>,
+    value: impl Fn(usize) -> V + Sync + Send,
+) -> Result<()> {
+    interrupt::check()?;
+    memory::resize(column, len + SPARE, V::default())?;
+    fill(&mut column[..len], threads, value);
+    Ok(())
+}
+
+#[inline(always)]
+fn fill<V: Send>(
+    column: &mut [V],
+    threads: Option<usize>,
+    value: impl Fn(usize) -> V + Sync + Send,
+) {
+    parallel::for_chunks(threads, column, |first, chunk| {
+        for (offset, to) in chunk.iter_mut().enumerate() {
+            *to = value(first + offset);
+        }
+    });
 }
 
 /// Fills two columns of `len` values, and their spare rows, from pairs.

@@ -1,4 +1,4 @@
-//! A quadtree over discs, boxes and rounded boxes: exact pairs, contacts and queries.
+//! A quadtree over discs, boxes, line segments and those with a radius: exact pairs, contacts and queries.
 
 #![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
@@ -12,7 +12,7 @@ pub mod pairs;
 pub mod query;
 
 pub use columns::Columns;
-pub use geometry::{Bounds, Scalar, Shape};
+pub use geometry::{Bounds, Core, Scalar, Shape};
 pub use period::Period;
 pub use quadtree::{Node, Quadtree};
 pub use shapes::{Each, Filter, Shapes};

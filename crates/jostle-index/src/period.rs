@@ -5,7 +5,7 @@
 //! the shapes as they are stored, and that after the shape with the higher centre was moved by -p.
 //! Both shapes have the same role, so the gap does not depend on their order.
 
-use crate::geometry::{Scalar, Shape, middle, overlap};
+use crate::geometry::{Scalar, Shape, contact, cores_overlap, middle, overlap};
 use jostle_base::error::{Error, Result};
 
 /// A number of periods along each axis.
@@ -233,6 +233,13 @@ impl<T: Scalar> Period<T> {
 
     /// Whether two shapes overlap, with the smaller gap along each axis.
     pub fn overlap(&self, a: &Shape<T>, b: &Shape<T>) -> bool {
+        if a.is_slanted() || b.is_slanted() {
+            // The smaller gap of boxes says nothing about the distance of segments.
+            return self.combinations(usize::MAX).any(|which| {
+                let [a, b] = self.moved(a, b, which);
+                a.overlaps(&b)
+            });
+        }
         let [direct, wrapped] = self.gaps(a, b);
         let smaller = |axis: usize| {
             if self.is_along(axis) { direct[axis].min(wrapped[axis]) } else { direct[axis] }
@@ -245,22 +252,50 @@ impl<T: Scalar> Period<T> {
     pub fn is_first_overlap(&self, a: &Shape<T>, b: &Shape<T>, wrapped: [bool; 2]) -> bool {
         let gaps = self.gaps(a, b);
         let own = usize::from(wrapped[0]) + 2 * usize::from(wrapped[1]);
+        // Wide shapes may overlap in several images at once. The first combination that overlaps
+        // has the pair; in all later ones it is left out. So each pair is found once.
+        self.combinations(own).all(|which| {
+            let gaps = [gaps[which & 1][0], gaps[which >> 1][1]];
+            !overlap(gaps, a.radius + b.radius) || {
+                let [a, b] = self.moved(a, b, which);
+                !cores_overlap(&a, &b)
+            }
+        })
+    }
+
+    /// The combinations of moves before `end`.
+    fn combinations(&self, end: usize) -> impl Iterator<Item = usize> {
         // A bit of an axis that is not periodic would mean a move by 0, the same combination once
         // more.
         let exists = |which: &usize| {
             (which & 1 == 0 || self.is_along(0)) && (which & 2 == 0 || self.is_along(1))
         };
-        // Wide shapes may overlap in several images at once. The first combination that overlaps
-        // has the pair; in all later ones it is left out. So each pair is found once.
-        (0..own).filter(exists).all(|which| {
-            let gaps = [gaps[which & 1][0], gaps[which >> 1][1]];
-            !overlap(gaps, a.radius + b.radius)
-        })
+        (0..end.min(4)).filter(exists)
+    }
+
+    /// Two shapes after the higher one along each axis of a combination was moved by minus one
+    /// period.
+    fn moved(&self, a: &Shape<T>, b: &Shape<T>, which: usize) -> [Shape<T>; 2] {
+        let is_first = higher(a, b);
+        let by = |of_first: bool| {
+            [0, 1].map(|axis| {
+                let is_moved = which >> axis & 1 != 0 && is_first[axis] == of_first;
+                if is_moved { self.0[axis] } else { T::ZERO }
+            })
+        };
+        [a.moved(by(true)), b.moved(by(false))]
     }
 
     /// Two shapes as they are nearest to each other: the one with the higher centre is moved
     /// by minus one period along each axis on which this makes the gap smaller.
     pub fn nearest_images(&self, a: &Shape<T>, b: &Shape<T>) -> [Shape<T>; 2] {
+        if a.is_slanted() || b.is_slanted() {
+            let depth = |[a, b]: &[Shape<T>; 2]| contact(a, b).1;
+            let all = self.combinations(usize::MAX).map(|which| self.moved(a, b, which));
+            let deepest =
+                all.reduce(|one, other| if depth(&other) > depth(&one) { other } else { one });
+            return deepest.unwrap_or([*a, *b]);
+        }
         let [direct, wrapped] = self.gaps(a, b);
         let is_first = higher(a, b);
         let (mut of_a, mut of_b) = ([T::ZERO; 2], [T::ZERO; 2]);

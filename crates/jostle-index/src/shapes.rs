@@ -1,6 +1,6 @@
 //! Shapes as the caller gives them, one row each, and the checks of their values.
 
-use crate::geometry::{Scalar, Shape, middle};
+use crate::geometry::{Core, Scalar, Shape, middle};
 use crate::period::Period;
 use jostle_base::error::{Error, Result};
 use jostle_base::memory;
@@ -135,7 +135,7 @@ impl<V: Copy> Each<V> {
     }
 }
 
-/// Rounded boxes with filters, one row each. All values are valid, and the columns have equal
+/// Shapes with filters, one row each. All values are valid, and the columns have equal
 /// lengths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shapes<T> {
@@ -143,6 +143,7 @@ pub struct Shapes<T> {
     pub(crate) radii: Each<T>,
     pub(crate) half_sizes: Option<Each<[T; 2]>>,
     pub(crate) boxes: Option<Vec<[T; 4]>>,
+    pub(crate) cores: Option<Vec<Core>>,
     pub(crate) filters: Option<[Each<u32>; 2]>,
     pub(crate) period: Period<T>,
 }
@@ -158,6 +159,8 @@ pub struct ShapeColumns<'a, T> {
     pub half_sizes: &'a mut Option<Each<[T; 2]>>,
     /// Min x, min y, max x, max y of every shape; None if all are given by their centres.
     pub boxes: &'a mut Option<Vec<[T; 4]>>,
+    /// What each core is within its box; None if all are the boxes. Needs boxes.
+    pub cores: &'a mut Option<Vec<Core>>,
     /// Categories and masks; None if all shapes may pair.
     pub filters: &'a mut Option<[Each<u32>; 2]>,
 }
@@ -178,7 +181,8 @@ impl<T: Scalar> Shapes<T> {
         let period = Period::default();
         // Positions are checked first, so the first wrong argument in the order of the parameters
         // is reported.
-        let mut shapes = Self { centers, radii, half_sizes, boxes: None, filters, period };
+        let (boxes, cores) = (None, None);
+        let mut shapes = Self { centers, radii, half_sizes, boxes, cores, filters, period };
         check_finite("positions", &shapes.centers)?;
         shapes.validate("positions")?;
         shapes.radii = shapes.radii.simplified();
@@ -195,9 +199,32 @@ impl<T: Scalar> Shapes<T> {
         check_boxes("boxes", &boxes)?;
         let centers = memory::collect(boxes.iter().map(middle_of))?;
         let period = Period::default();
-        let (half_sizes, boxes) = (None, Some(boxes));
-        let shapes = Self { centers, radii, half_sizes, boxes, filters, period };
+        let (half_sizes, boxes, cores) = (None, Some(boxes), None);
+        let shapes = Self { centers, radii, half_sizes, boxes, cores, filters, period };
         shapes.validate("boxes")?;
+        Ok(shapes)
+    }
+
+    /// Line segments from start to end, capsules if there are radii, with categories and masks.
+    /// Refuses invalid values.
+    pub fn from_segments(
+        segments: &[[[T; 2]; 2]],
+        radii: Each<T>,
+        filters: Option<[Each<u32>; 2]>,
+    ) -> Result<Self> {
+        check_segments("segments", segments, &Period::default())?;
+        let mut boxes = memory::with_capacity(segments.len())?;
+        let mut cores = memory::with_capacity(segments.len())?;
+        for &segment in segments {
+            let ([[min_x, min_y], [max_x, max_y]], core) = Core::of_segment(segment);
+            boxes.push([min_x, min_y, max_x, max_y]);
+            cores.push(core);
+        }
+        let centers = memory::collect(boxes.iter().map(middle_of))?;
+        let period = Period::default();
+        let (half_sizes, boxes, cores) = (None, Some(boxes), Some(cores));
+        let shapes = Self { centers, radii, half_sizes, boxes, cores, filters, period };
+        shapes.validate("segments")?;
         Ok(shapes)
     }
 
@@ -220,12 +247,13 @@ impl<T: Scalar> Shapes<T> {
 
     /// The shapes in some rows, in that order.
     pub fn select(&self, rows: &[u32]) -> Self {
-        let boxes = self.boxes.as_ref();
+        let (boxes, cores) = (self.boxes.as_ref(), self.cores.as_ref());
         Self {
             centers: rows.iter().map(|&row| self.centers[row as usize]).collect(),
             radii: self.radii.select(rows),
             half_sizes: self.half_sizes.as_ref().map(|sizes| sizes.select(rows)),
             boxes: boxes.map(|boxes| rows.iter().map(|&row| boxes[row as usize]).collect()),
+            cores: cores.map(|cores| rows.iter().map(|&row| cores[row as usize]).collect()),
             filters: self
                 .filters
                 .as_ref()
@@ -234,12 +262,14 @@ impl<T: Scalar> Shapes<T> {
         }
     }
 
-    /// The same shapes in a periodic plane, with their centres in the first period.
-    pub fn in_period(mut self, period: Period<T>) -> Self {
+    /// The same shapes in a periodic plane, with their centres in the first period. Refuses segments
+    /// that are longer than a period along an axis.
+    pub fn in_period(mut self, period: Period<T>) -> Result<Self> {
         self.period = period;
         if period.is_none() {
-            return self;
+            return Ok(self);
         }
+        self.check_period(&period)?;
         if let Some(boxes) = &mut self.boxes {
             for (corners, center) in boxes.iter_mut().zip(&mut self.centers) {
                 let [[min_x, min_y], [max_x, max_y]] = period.wrap_corners(self::corners(corners));
@@ -251,7 +281,19 @@ impl<T: Scalar> Shapes<T> {
         } else {
             self.centers.iter_mut().for_each(|center| *center = period.wrap(*center));
         }
-        self
+        Ok(self)
+    }
+
+    /// Refuses segments whose ends are more than a period apart along an axis.
+    pub fn check_period(&self, period: &Period<T>) -> Result<()> {
+        // Boxes of any size have an answer: the nearest image decides. Of a longer segment an image
+        // farther away could be nearer.
+        let rows = if self.cores.is_some() && !period.is_none() { self.len() } else { 0 };
+        let segments = (0..rows).filter_map(|row| Some((row, self.shape(row).segment()?)));
+        for (row, segment) in segments {
+            check_segment("segments", row, segment, period)?;
+        }
+        Ok(())
     }
 
     /// The same shapes with radii larger by half of `distance`, so that two of them overlap if the
@@ -280,8 +322,8 @@ impl<T: Scalar> Shapes<T> {
     /// with others the answers are wrong, and searches may panic.
     #[doc(hidden)]
     pub fn columns_mut(&mut self) -> ShapeColumns<'_, T> {
-        let Self { centers, radii, half_sizes, boxes, filters, .. } = self;
-        ShapeColumns { centers, radii, half_sizes, boxes, filters }
+        let Self { centers, radii, half_sizes, boxes, cores, filters, .. } = self;
+        ShapeColumns { centers, radii, half_sizes, boxes, cores, filters }
     }
 
     /// Centres; those of boxes are rounded.
@@ -302,6 +344,11 @@ impl<T: Scalar> Shapes<T> {
     /// Min x, min y, max x, max y of every shape; None if all are given by their centres.
     pub fn boxes(&self) -> Option<&[[T; 4]]> {
         self.boxes.as_deref()
+    }
+
+    /// What the core of every shape is within its box; None if all are the boxes.
+    pub fn cores(&self) -> Option<&[Core]> {
+        self.cores.as_deref()
     }
 
     /// Whether there are categories and masks.
@@ -345,6 +392,7 @@ impl<T: Scalar> Shapes<T> {
             radius: self.radii.at(row),
             category: filter(0, DEFAULT_CATEGORY),
             mask: filter(1, DEFAULT_MASK),
+            core: self.cores.as_ref().map_or(Core::Box, |cores| cores[row]),
         }
     }
 }
@@ -420,6 +468,46 @@ pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Resul
     let limit = 2.0 * T::MAX_SIZE.to_f64();
     let rule = format!("a box must be at most {limit:e} wide and high");
     Err(Error::at(argument, index, tuple(&boxes[index]), &rule))
+}
+
+/// Refuses segments by the rules of [`check_segment`].
+pub fn check_segments<T: Scalar>(
+    argument: &'static str,
+    rows: &[[[T; 2]; 2]],
+    period: &Period<T>,
+) -> Result<()> {
+    (0..).zip(rows).try_for_each(|(row, segment)| check_segment(argument, row, *segment, period))
+}
+
+/// Refuses a segment that is not finite, is larger than half sizes allow, or whose ends are more than
+/// a period apart along an axis.
+pub fn check_segment<T: Scalar>(
+    argument: &'static str,
+    row: usize,
+    segment: [[T; 2]; 2],
+    period: &Period<T>,
+) -> Result<()> {
+    let ([start, end], half) = (segment, T::from_f64(0.5));
+    let refused = |rule: &str| Err(Error::at(argument, row, told(segment), rule));
+    if !segment.as_flattened().iter().all(|v| v.is_finite()) {
+        return refused("both ends must be finite");
+    }
+    if (0..2).any(|axis| (end[axis] * half - start[axis] * half).abs() > T::MAX_SIZE) {
+        let most = 2.0 * T::MAX_SIZE.to_f64();
+        return refused(&format!("its ends must be at most {most:e} apart along each axis"));
+    }
+    if period.is_exceeded_by([0, 1].map(|axis| end[axis] - start[axis])) {
+        let sides = tuple(&period.sides());
+        return refused(&format!(
+            "with period={sides}, its ends must be at most one period apart along each axis"
+        ));
+    }
+    Ok(())
+}
+
+/// A segment in the form of two Python tuples.
+fn told<T: Scalar>([start, end]: [[T; 2]; 2]) -> String {
+    format!("({}, {})", tuple(&start), tuple(&end))
 }
 
 /// Numbers in the form of a Python tuple.

@@ -17,14 +17,14 @@ use crate::shapes::{Rows, Shapes};
 
 /// Find every pair of overlapping shapes.
 ///
-/// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-/// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
+/// A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
+/// one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0.
 /// Touching is not overlapping.
 ///
 /// Parameters
 /// ----------
 /// positions : array_like, shape (n, 2), optional
-///     Centres, in any unit of length; required unless `boxes` is given.
+///     Centres, in any unit of length; required unless `boxes` or `segments` are given.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
@@ -36,6 +36,10 @@ use crate::shapes::{Rows, Shapes};
 ///     width and height. The four numbers are compared without rounding:
 ///     boxes that share an edge never overlap, whereas sides computed as
 ///     ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+/// segments : array_like, shape (n, 2, 2), optional
+///     Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
+///     capsules with `radii`. Segments that cross overlap; those that share an end, or lie on one
+///     line, do not. With a period the ends are at most one period apart along each axis.
 /// categories, masks : array_like of int, a number or shape (n,), optional
 ///     Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
 ///     ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
@@ -66,8 +70,8 @@ use crate::shapes::{Rows, Shapes};
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
-///     is given.
+///     If an argument does not hold numbers, or if not exactly one of `positions`, `boxes`
+///     and `segments` is given.
 /// ValueError
 ///     If a shape is wrong, a value is not finite, a size is negative or out of range, or
 ///     more than `max_pairs` pairs overlap.
@@ -105,16 +109,18 @@ use crate::shapes::{Rows, Shapes};
 ///        [1, 2]])
 /// >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
 /// array([[1, 2]])
+/// >>> jostle.find_pairs(segments=[[(0, 0), (2, 2)], [(0, 2), (2, 0)], [(2, 2), (4, 2)]])
+/// array([[0, 1]])
 /// >>> jostle.find_pairs([(0.5, 0), (3, 0), (9.5, 0)], distance=2.0, period=10)
 /// array([[0, 2]])
 #[pyfunction]
 #[pyo3(
     signature = (
         positions=None, radii=Given::NOTHING, half_sizes=None,
-        *, boxes=None, categories=None, masks=None, distance=Given::NOTHING, period=None,
+        *, boxes=None, segments=None, categories=None, masks=None, distance=Given::NOTHING, period=None,
         method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING, threads=None,
     ),
-    text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, categories=None, \
+    text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, segments=None, categories=None, \
                       masks=None, distance=0.0, period=None, method='auto', sort=False, \
                       max_pairs=134217728, threads=None)"
 )]
@@ -125,6 +131,7 @@ pub fn find_pairs<'py>(
     radii: Given<'py>,
     half_sizes: Maybe<'_, 'py>,
     boxes: Maybe<'_, 'py>,
+    segments: Maybe<'_, 'py>,
     categories: Maybe<'_, 'py>,
     masks: Maybe<'_, 'py>,
     distance: Given<'py>,
@@ -142,7 +149,8 @@ pub fn find_pairs<'py>(
         max_pairs: settings::max_pairs(&max_pairs)?,
         threads: settings::threads(threads)?,
     };
-    let shapes = Shapes::read([positions, half_sizes, boxes], &radii, [categories, masks])?;
+    let shapes =
+        Shapes::read([positions, half_sizes, boxes, segments], &radii, [categories, masks])?;
     let pairs = detached(py, || match shapes {
         Shapes::Single(rows) => search.run(rows),
         Shapes::Double(rows) => search.run(rows),
@@ -162,7 +170,7 @@ struct Search {
 impl Search {
     fn run<T: Kept + Element>(&self, rows: Rows<T>) -> jostle_base::Result<Vec<[i64; 2]>> {
         let shapes = rows.checked()?.grown(T::from_f64(self.distance))?;
-        let shapes = shapes.in_period(settings::period_in(self.period)?);
+        let shapes = shapes.in_period(settings::period_in(self.period)?)?;
         with_kept(|scratch| {
             let Self { method, threads, max_pairs, .. } = *self;
             let mut found = pairs::find_with(scratch, &shapes, method, threads, max_pairs)?;

@@ -33,15 +33,15 @@ use crate::shapes::{Rows, Shapes};
 
 /// A quadtree over shapes that do not change.
 ///
-/// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-/// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0. The
+/// A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
+/// one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0. The
 /// tree is built once, for any positions; there are no bounds to choose. Several threads may
 /// query it at the same time.
 ///
 /// Parameters
 /// ----------
 /// positions : array_like, shape (n, 2), optional
-///     Centres, in any unit of length; required unless `boxes` is given.
+///     Centres, in any unit of length; required unless `boxes` or `segments` are given.
 /// radii : array_like, a number or shape (n,), default 0.0
 ///     Radii, in the same unit.
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
@@ -53,6 +53,10 @@ use crate::shapes::{Rows, Shapes};
 ///     width and height. The four numbers are compared without rounding:
 ///     boxes that share an edge never overlap, whereas sides computed as
 ///     ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+/// segments : array_like, shape (n, 2, 2), optional
+///     Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
+///     capsules with `radii`. Segments that cross overlap; those that share an end, or lie on one
+///     line, do not. With a period the ends are at most one period apart along each axis.
 /// categories : array_like of int, a number or shape (n,), optional
 ///     Categories of each shape, as a set of 32 bits; 1 if omitted.
 /// masks : array_like of int, a number or shape (n,), optional
@@ -77,8 +81,8 @@ use crate::shapes::{Rows, Shapes};
 /// Raises
 /// ------
 /// TypeError
-///     If an argument does not hold numbers, or if not exactly one of `positions` and `boxes`
-///     is given.
+///     If an argument does not hold numbers, or if not exactly one of `positions`, `boxes`
+///     and `segments` is given.
 /// ValueError
 ///     If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 ///
@@ -166,7 +170,7 @@ fn build<T: Scalar + Element>(
     settings: Settings,
     period: Period<f64>,
 ) -> jostle_base::Result<jostle_index::Quadtree<T>> {
-    jostle_index::Quadtree::new(&rows.checked()?.in_period(settings::period_in(period)?), settings)
+    jostle_index::Quadtree::new(&rows.checked()?.in_period(settings::period_in(period)?)?, settings)
 }
 
 #[pymethods]
@@ -174,12 +178,12 @@ impl PyQuadtree {
     #[new]
     #[pyo3(
         signature = (
-            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, categories=None,
+            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, segments=None, categories=None,
             masks=None, period=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
             threads=None,
         ),
         text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, \
-                          categories=None, masks=None, period=None, leaf_capacity=96, \
+                          segments=None, categories=None, masks=None, period=None, leaf_capacity=96, \
                           max_depth=4096, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
@@ -189,6 +193,7 @@ impl PyQuadtree {
         radii: Given<'py>,
         half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
+        segments: Maybe<'_, 'py>,
         categories: Maybe<'_, 'py>,
         masks: Maybe<'_, 'py>,
         period: Maybe<'_, 'py>,
@@ -198,7 +203,8 @@ impl PyQuadtree {
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
         let period = settings::period(period)?;
-        let shapes = Shapes::read([positions, half_sizes, boxes], &radii, [categories, masks])?;
+        let shapes =
+            Shapes::read([positions, half_sizes, boxes, segments], &radii, [categories, masks])?;
         let tree = detached(py, || Tree::build(shapes, settings, period))?.map_err(refused)?;
         Ok(Self { tree, tests: AtomicU64::new(0) })
     }
@@ -279,7 +285,11 @@ impl PyQuadtree {
     ) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
         let (kwargs, settings) = (PyDict::new(py), with_tree!(&self.tree, tree => tree.settings()));
         let has_boxes = with_tree!(&self.tree, tree => tree.columns().has_boxes());
-        if has_boxes {
+        // All shapes of a tree are given alike.
+        let has_segments = with_tree!(&self.tree, tree => tree.columns().has_cores());
+        if has_segments {
+            kwargs.set_item("segments", self.segments(py)?)?;
+        } else if has_boxes {
             kwargs.set_item("boxes", self.boxes(py)?)?;
         } else {
             kwargs.set_item("positions", self.positions(py)?)?;

@@ -174,11 +174,14 @@ pub fn shapes<'py, T: Element + Scalar>(
         if single { table.get_item(0) } else { Ok(table) }
     }
     let radii = column(py, all.iter().map(|shape| shape.radius).collect()).into_any();
+    let ends = all.iter().map(|shape| shape.segment().unwrap_or([[T::NAN; 2]; 2]));
+    let ends = segments(py, &ends.collect::<Vec<_>>())?.into_any();
     let fields = [
         rows(py, all.iter().map(Shape::center).collect(), single)?,
         if single { radii.get_item(0)?.call_method0("item")? } else { radii },
         rows(py, all.iter().map(Shape::core_half_size).collect(), single)?,
-        rows(py, all.iter().map(Shape::core).collect(), single)?,
+        rows(py, all.iter().map(Shape::sides).collect(), single)?,
+        if single { ends.get_item(0)? } else { ends },
         field(py, all.iter().map(|shape| shape.category).collect(), single)?,
         field(py, all.iter().map(|shape| shape.mask).collect(), single)?,
     ];

@@ -140,7 +140,7 @@ pub fn separate<'py>(
         tolerance: read("tolerance", &tolerance, DEFAULT_TOLERANCE)?,
         threads: settings::threads(threads)?,
     };
-    match Shapes::read([Some(positions), half_sizes, None], &radii, [None, None])? {
+    match Shapes::read([Some(positions), half_sizes, None, None], &radii, [None, None])? {
         Shapes::Single(rows) => rules.run(py, rows),
         Shapes::Double(rows) => rules.run(py, rows),
     }

@@ -1,4 +1,4 @@
-//! Shapes as arguments: centres or boxes, radii, half sizes and filters, copied in one precision.
+//! Shapes as arguments: centres, boxes or segments, radii, half sizes and filters, copied in one precision.
 
 use jostle_index::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use jostle_index::{Each, Scalar};
@@ -31,41 +31,51 @@ pub enum Positions<T> {
     Centers(Vec<[T; 2]>),
     /// min x, min y, max x, max y.
     Boxes(Vec<[T; 4]>),
+    /// Start and end.
+    Segments(Vec<[[T; 2]; 2]>),
 }
 
-/// The argument with the positions of shapes: centres, or boxes.
+/// The argument with the positions of shapes: centres, boxes or segments.
 pub enum Where<'py> {
     Centers(Argument<'py>),
     Boxes(Argument<'py>),
+    Segments(Argument<'py>),
 }
 
 impl<'py> Where<'py> {
-    /// Reads the given argument. Refuses both and neither.
-    pub fn read(
-        positions: Maybe<'_, 'py>,
-        half_sizes: Maybe<'_, 'py>,
-        boxes: Maybe<'_, 'py>,
-    ) -> PyResult<Self> {
-        let message = match (positions, half_sizes, boxes) {
-            (Some(positions), _, None) => return Self::centers(positions),
-            (None, None, Some(boxes)) => {
-                let sides = sides(boxes, &[SIDES_OF_RECT])?;
-                let boxes = Argument::reals("boxes", sides.as_ref().unwrap_or(boxes))?;
-                return Ok(Self::Boxes(boxes));
+    /// Reads the given argument. Refuses several and none.
+    pub fn read([positions, half_sizes, boxes, segments]: [Maybe<'_, 'py>; 4]) -> PyResult<Self> {
+        let (names, given) = (["positions", "boxes", "segments"], [positions, boxes, segments]);
+        let mut all = names.into_iter().zip(given).filter_map(|(name, value)| value.map(|_| name));
+        let (first, second) = (all.next(), all.next());
+        let message = match (first, second) {
+            (None, _) => {
+                "positions, boxes or segments must be given: positions of shape (n, 2), boxes of shape \
+                 (n, 4), which are min_x, min_y, max_x, max_y, or segments of shape (n, 2, 2)"
+                    .to_string()
             }
-            (None, _, None) => {
-                "positions or boxes must be given: positions of shape (n, 2), or boxes of shape (n, 4), \
-                 which are min_x, min_y, max_x, max_y"
-            }
-            (Some(_), _, Some(_)) => {
-                "positions and boxes are both given; boxes take the place of positions, so leave out positions"
-            }
-            (None, Some(_), Some(_)) => {
-                "half_sizes and boxes are both given; boxes take the place of half_sizes, so leave out \
-                 half_sizes"
-            }
+            (Some(first), Some(second)) => format!(
+                "{first} and {second} are both given; {second} take the place of {first}, so leave out \
+                 {first}"
+            ),
+            (Some(first), None) if half_sizes.is_some() && positions.is_none() => format!(
+                "half_sizes and {first} are both given; {first} take the place of half_sizes, so leave \
+                 out half_sizes"
+            ),
+            _ => String::new(),
         };
-        Err(PyTypeError::new_err(message))
+        if !message.is_empty() {
+            return Err(PyTypeError::new_err(message));
+        }
+        if let Some(boxes) = boxes {
+            let sides = sides(boxes, &[SIDES_OF_RECT])?;
+            let boxes = Argument::reals("boxes", sides.as_ref().unwrap_or(boxes))?;
+            return Ok(Self::Boxes(boxes));
+        }
+        if let Some(segments) = segments {
+            return Ok(Self::Segments(Argument::reals("segments", segments)?));
+        }
+        Self::centers(positions.expect("one of the three is given"))
     }
 
     fn centers(value: &Bound<'py, PyAny>) -> PyResult<Self> {
@@ -80,7 +90,7 @@ impl<'py> Where<'py> {
 
     fn argument(&self) -> &Argument<'py> {
         match self {
-            Self::Centers(argument) | Self::Boxes(argument) => argument,
+            Self::Centers(argument) | Self::Boxes(argument) | Self::Segments(argument) => argument,
         }
     }
 
@@ -88,6 +98,7 @@ impl<'py> Where<'py> {
         match self {
             Self::Centers(centers) => centers.pairs_len(),
             Self::Boxes(boxes) => boxes.boxes_len(),
+            Self::Segments(segments) => segments.segments_len(),
         }
     }
 
@@ -96,6 +107,7 @@ impl<'py> Where<'py> {
         Ok(match self {
             Self::Centers(centers) => Positions::Centers(centers.pairs(len)?),
             Self::Boxes(boxes) => Positions::Boxes(boxes.boxes(len)?),
+            Self::Segments(segments) => Positions::Segments(segments.segments_of(len)?),
         })
     }
 
@@ -114,6 +126,10 @@ impl<'py> Where<'py> {
                 let (boxes, len) = with_len(boxes.one_or_rows()?);
                 (Positions::Boxes(boxes), len)
             }
+            Self::Segments(segments) => {
+                let (segments, len) = with_len(segments.one_or_segments()?);
+                (Positions::Segments(segments), len)
+            }
         })
     }
 
@@ -126,6 +142,9 @@ impl<'py> Where<'py> {
             }
             (Positions::Boxes(_), _) => {
                 Err(self.argument().wrong_shape("(4,), as there is one id"))
+            }
+            (Positions::Segments(_), _) => {
+                Err(self.argument().wrong_shape("(2, 2), as there is one id"))
             }
         }
     }
@@ -144,6 +163,7 @@ impl<T: Scalar> Positions<T> {
                 jostle_index::Shapes::new(centers, radii, half_sizes, filters)
             }
             Self::Boxes(boxes) => jostle_index::Shapes::from_boxes(boxes, radii, filters),
+            Self::Segments(all) => jostle_index::Shapes::from_segments(&all, radii, filters),
         }
     }
 }
@@ -151,11 +171,11 @@ impl<T: Scalar> Positions<T> {
 impl Shapes {
     /// Copies the arguments that `find_pairs` and `Quadtree` share.
     pub fn read<'py>(
-        [positions, half_sizes, boxes]: [Maybe<'_, 'py>; 3],
+        [positions, half_sizes, boxes, segments]: [Maybe<'_, 'py>; 4],
         radii: &Given<'py>,
         [categories, masks]: [Maybe<'_, 'py>; 2],
     ) -> PyResult<Self> {
-        let positions = Where::read(positions, half_sizes, boxes)?;
+        let positions = Where::read([positions, half_sizes, boxes, segments])?;
         let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
         let half_sizes =
             half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;
@@ -213,6 +233,7 @@ impl<T: Scalar + Element> Rows<T> {
         match &self.positions {
             Positions::Centers(centers) => centers.len(),
             Positions::Boxes(boxes) => boxes.len(),
+            Positions::Segments(segments) => segments.len(),
         }
     }
 

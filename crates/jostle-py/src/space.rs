@@ -34,8 +34,8 @@ pub use saved::restore_space;
 /// A collection of shapes that can be added, moved, changed and removed, and of the pairs that
 /// overlap.
 ///
-/// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
-/// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
+/// A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
+/// one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0.
 /// Each shape has an id, which is never used again for another shape. The cost depends on the
 /// shapes that change: a million shapes at rest cost much less than a thousand that move.
 /// Every query includes all previous changes.

@@ -1,4 +1,4 @@
-//! The point (0, 0) and a convex polygon with rounded corners: distance, and time of impact.
+//! The point (0, 0) and a convex polygon with rounded corners: the time of impact.
 //!
 //! A moving shape meets an obstacle if its centre enters the Minkowski sum of both, which is such a
 //! polygon, relative to the centre. Some of its corners may coincide.
@@ -45,12 +45,6 @@ impl<T: Scalar> Side<T> {
         let [x, y] = [point[0] - self.start[0], point[1] - self.start[1]];
         x * self.along[0] + y * self.along[1]
     }
-
-    /// The vector from the nearest point of the side to (0, 0).
-    fn offset(&self) -> [T; 2] {
-        let at = self.position([T::ZERO; 2]).max(T::ZERO).min(self.length);
-        [0, 1].map(|axis| T::ZERO - (self.start[axis] + self.along[axis] * at))
-    }
 }
 
 impl<T: Scalar> Convex<'_, T> {
@@ -63,30 +57,6 @@ impl<T: Scalar> Convex<'_, T> {
             let is_own = (self.is_own)(index);
             (length > T::ZERO).then(|| Side { is_own, start, along: d.map(|v| v / length), length })
         })
-    }
-
-    /// Distance of (0, 0), without the radius of the corners, with the outward normal at the
-    /// nearest point; the distance is negative inside.
-    pub(crate) fn distance(&self) -> (T, [T; 2]) {
-        let deepest = self.sides().map(|side| (side.outside(), side.normal()));
-        let (outside, normal) = deepest
-            .reduce(|a, b| if b.0 > a.0 { b } else { a })
-            .unwrap_or((T::ZERO, [T::ONE, T::ZERO]));
-        // Inside: the nearest side is the one of which the point is least deep.
-        if outside < T::ZERO {
-            return (outside, normal);
-        }
-        let corner = self.corners[0].map(|v| T::ZERO - v);
-        // The corner is for a polygon that is a point: then no side has a length.
-        let offsets = self.sides().map(|side| side.offset()).chain([corner]);
-        let measured = offsets.map(|v| (length(v[0].abs(), v[1].abs()), v));
-        let nearest = measured.reduce(|a, b| if b.0 < a.0 { b } else { a });
-        match nearest {
-            Some((distance, [x, y])) if distance > T::ZERO => {
-                (distance, [x / distance, y / distance])
-            }
-            _ => (T::ZERO, normal),
-        }
     }
 
     /// The share of `v` at which (0, 0), which is outside, enters the polygon with this radius by

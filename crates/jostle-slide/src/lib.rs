@@ -23,6 +23,5 @@ mod ground;
 
 pub use outline::Outline;
 pub use rules::{CheckedRules, DEFAULT_MAX_SLIDES, MAX_SLIDES, SlideRules, Surface};
-pub use segment::Segment;
 pub use solid::{FindObstacles, Obstacle, Solid};
 pub use walker::{SlideHit, Walker, contains, slop};

@@ -113,7 +113,15 @@ mod tests {
     use super::*;
 
     fn body(center: [f64; 2], half_size: [f64; 2], radius: f64) -> Shape<f64> {
-        Shape { min: center, max: center, half_size, radius, category: 1, mask: 1 }
+        Shape {
+            min: center,
+            max: center,
+            half_size,
+            radius,
+            category: 1,
+            mask: 1,
+            core: jostle_index::Core::Box,
+        }
     }
 
     #[test]

@@ -8,15 +8,12 @@ use super::convex::Convex;
 use super::outline::Outline;
 use jostle_index::geometry::{self, Scalar, Shape, length};
 
-/// A line segment, solid from both sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A shape whose core is a line segment with a length; solid from both sides.
+#[derive(Clone, Copy, Debug)]
 pub struct Segment<T> {
-    /// Its ends.
-    pub ends: [[T; 2]; 2],
-    /// Distance by which it extends beyond the line.
-    pub radius: T,
-    /// Its categories, a bit set.
-    pub category: u32,
+    shape: Shape<T>,
+    /// The ends of its core.
+    ends: [[T; 2]; 2],
 }
 
 /// The corners of the hexagon, counterclockwise, relative to the centre of the shape. Some coincide
@@ -47,34 +44,36 @@ fn convex<T>(hexagon: &Hexagon<T>) -> Convex<'_, T> {
 }
 
 impl<T: Scalar> Segment<T> {
+    /// A shape, if its core is a line segment with a length.
+    pub(crate) fn of(shape: Shape<T>) -> Option<Self> {
+        let ends = shape.segment().filter(|[start, end]| start != end)?;
+        Some(Self { shape, ends })
+    }
+
+    /// The shape.
+    pub(crate) fn shape(&self) -> &Shape<T> {
+        &self.shape
+    }
+
     /// The same segment moved by `-shift`.
     pub(crate) fn moved(&self, shift: [T; 2]) -> Self {
-        Self { ends: self.ends.map(|end| [end[0] - shift[0], end[1] - shift[1]]), ..*self }
+        let ends = self.ends.map(|end| [end[0] - shift[0], end[1] - shift[1]]);
+        Self { shape: self.shape.moved(shift), ends }
     }
 }
 
 impl<T: Scalar> Outline<T> for Segment<T> {
     fn overlaps(&self, body: &Shape<T>) -> bool {
-        let [x, y] = gaps(body, &self.ends);
-        let radius = body.radius + self.radius;
-        // Quick, and right for segments along an axis whatever the rounding below.
-        // The gaps come from coordinates by one subtraction, so a box that stands exactly on a
-        // horizontal segment is not called an overlap. The normals of the hexagon below are
-        // rounded.
-        if x > radius || y > radius || (radius == T::ZERO && (x >= T::ZERO || y >= T::ZERO)) {
-            return false;
-        }
-        convex(&hexagon(body, &self.ends)).distance().0 < radius
+        self.shape.overlaps(body)
     }
 
     fn contact(&self, body: &Shape<T>) -> ([T; 2], T) {
-        let (distance, normal) = convex(&hexagon(body, &self.ends)).distance();
-        (normal.map(|v| T::ZERO - v), body.radius + self.radius - distance)
+        geometry::contact(body, &self.shape)
     }
 
     fn enters(&self, body: &Shape<T>, displacement: [T; 2], slop: T) -> Option<(T, [T; 2])> {
         let hexagon = hexagon(body, &self.ends);
-        convex(&hexagon).enters(body.radius + self.radius, displacement, slop)
+        convex(&hexagon).enters(body.radius + self.shape.radius, displacement, slop)
     }
 
     fn span(&self, body: &Shape<T>) -> T {
@@ -94,32 +93,32 @@ impl<T: Scalar> Outline<T> for Segment<T> {
         let normal = if along_up < T::ZERO { across.map(|v| T::ZERO - v) } else { across };
         let height = [0, 1].map(|axis| (body.min[axis] - a[axis]) * normal[axis]);
         let extent = [0, 1].map(|axis| body.half_size[axis] * normal[axis].abs());
-        let radius = body.radius + self.radius;
+        let radius = body.radius + self.shape.radius;
         along_up != T::ZERO && height[0] + height[1] >= extent[0] + extent[1] + radius - slop
     }
 
     fn numbers(&self) -> [T; 8] {
         let [a, b] = self.ends;
-        [T::ONE, a[0], a[1], b[0], b[1], self.radius, T::ZERO, T::ZERO]
+        [T::ONE, a[0], a[1], b[0], b[1], self.shape.radius, T::ZERO, T::ZERO]
     }
-}
-
-/// The gaps between the core of a shape and the bounding box of a segment along each axis.
-fn gaps<T: Scalar>(body: &Shape<T>, [a, b]: &[[T; 2]; 2]) -> [T; 2] {
-    let corners = [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]];
-    geometry::gaps([body.min, body.max], corners, body.half_size)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use jostle_index::Core;
 
     fn body(center: [f64; 2], half_size: [f64; 2], radius: f64) -> Shape<f64> {
-        Shape { min: center, max: center, half_size, radius, category: 1, mask: 1 }
+        Shape { min: center, max: center, half_size, radius, category: 1, mask: 1, core: Core::Box }
+    }
+
+    fn capsule(ends: [[f64; 2]; 2], radius: f64) -> Segment<f64> {
+        let ([min, max], core) = Core::of_segment(ends);
+        Segment::of(Shape { min, max, core, ..body([0.0; 2], [0.0; 2], radius) }).unwrap()
     }
 
     fn wall(ends: [[f64; 2]; 2]) -> Segment<f64> {
-        Segment { ends, radius: 0.0, category: 1 }
+        capsule(ends, 0.0)
     }
 
     const SLOPE: [[f64; 2]; 2] = [[0.0, 0.0], [4.0, 3.0]];
@@ -183,9 +182,6 @@ mod tests {
         let before = 0.75f64.sqrt();
         assert!((share * 10.0 - (5.0 - before)).abs() < 1e-12);
         assert!((normal[0] + before).abs() < 1e-12 && (normal[1] - 0.5).abs() < 1e-12);
-        let point = [[0.0, 0.0], [0.0, 0.0]];
-        assert!(wall(point).enters(&disc, [10.0, 0.0], 0.0).is_some());
-        assert!(wall(point).overlaps(&body([0.5, 0.0], [0.0; 2], 1.0)));
     }
 
     #[test]
@@ -200,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_capsule_is_a_segment_with_a_radius() {
-        let capsule = Segment { radius: 0.5, ..wall([[0.0, 0.0], [9.0, 0.0]]) };
+        let capsule = capsule([[0.0, 0.0], [9.0, 0.0]], 0.5);
         let walker = body([4.0, 5.0], [1.0; 2], 0.0);
         let (share, normal) = capsule.enters(&walker, [0.0, -7.0], 0.0).unwrap();
         assert!((share - 0.5).abs() < 1e-12 && normal == [0.0, 1.0]);

@@ -1,4 +1,4 @@
-//! Obstacles that a moving shape cannot enter: shapes and line segments.
+//! Obstacles that a moving shape cannot enter.
 
 use std::cmp::Ordering;
 
@@ -12,7 +12,7 @@ use jostle_index::period::{Period, Turns};
 pub enum Solid<T> {
     /// A rounded box.
     Shape(Shape<T>),
-    /// A line segment.
+    /// A line segment with a length, or a capsule.
     Segment(Segment<T>),
 }
 
@@ -94,6 +94,11 @@ impl<T: Scalar> Obstacle<T> {
 }
 
 impl<T: Scalar> Solid<T> {
+    /// A shape. A segment without a length is a point, as a box without a size is.
+    pub fn of(shape: Shape<T>) -> Self {
+        Segment::of(shape).map_or(Self::Shape(shape), Self::Segment)
+    }
+
     /// Its geometry.
     #[inline(always)]
     pub fn outline(&self) -> &dyn Outline<T> {
@@ -108,7 +113,7 @@ impl<T: Scalar> Solid<T> {
     pub fn category(&self) -> u32 {
         match self {
             Self::Shape(shape) => shape.category,
-            Self::Segment(segment) => segment.category,
+            Self::Segment(segment) => segment.shape().category,
         }
     }
 

@@ -1,17 +1,18 @@
 //! Whether two shapes that move along straight lines overlap on the way.
 //!
-//! The first shape is at rest in the frame of the second one. Then the Minkowski difference of the two cores, a box,
-//! moves along a straight line, and the shapes overlap while the origin is nearer to it than the sum of the radii.
+//! The first shape is at rest in the frame of the second one. Then the Minkowski difference of the two cores, a box or
+//! a polygon, moves along a straight line, and the shapes overlap while the origin is nearer to it than the sum of the
+//! radii.
 //! The casts of `jostle-slide` tell when that begins, rounded; here only the answer is needed, and it has to agree
-//! with [`overlap`] at both ends. So nothing is divided: times are compared as fractions.
+//! with [`Shape::overlaps`] at both ends. So nothing is divided: times are compared as fractions.
 
-use jostle_index::geometry::{Scalar, Shape, gap, into_range, length, overlap};
+use jostle_index::geometry::{self, Scalar, Shape, Side, into_range, length};
 use jostle_index::period::Period;
 
 /// A shape at the beginning and at the end of a motion.
 pub(super) type Motion<T> = [Shape<T>; 2];
 
-/// The Minkowski difference of two cores: its lower and its upper side along each axis.
+/// The Minkowski difference of two boxes: its lower and its upper side along each axis.
 type Difference = [[f64; 2]; 2];
 
 /// Images of a periodic shape that may be met on the way, in each direction: a path is at most half a period long, so
@@ -21,7 +22,6 @@ const IMAGES: i32 = 2;
 /// Whether two shapes overlap neither at the beginning nor at the end of their motions, and overlap at a time in
 /// between. Both move at constant velocities during the same time. With a period, any of their images may meet.
 pub(super) fn cross<T: Scalar>(a: &Motion<T>, b: &Motion<T>, period: &Period<T>) -> bool {
-    let radius_sum = a[1].radius + b[1].radius;
     let mut any = false;
     for y in images_along(period, 1) {
         for x in images_along(period, 0) {
@@ -29,11 +29,16 @@ pub(super) fn cross<T: Scalar>(a: &Motion<T>, b: &Motion<T>, period: &Period<T>)
             // answer does not depend on the order of the two, and rounding is the same.
             let down = |turns: [i32; 2]| period.span(turns.map(|turns| turns.max(0)));
             let [of_a, of_b] = [down([x, y]), down([-x, -y])];
-            let ends = [0, 1].map(|end| difference(&a[end].moved(of_a), &b[end].moved(of_b)));
-            if ends.iter().any(|sides| overlap(gaps(sides), radius_sum)) {
+            let (a, b) = (a.map(|shape| shape.moved(of_a)), b.map(|shape| shape.moved(of_b)));
+            if (0..2).any(|end| a[end].overlaps(&b[end])) {
                 return false;
             }
-            any |= passes(&ends.map(exact), radius_sum.to_f64());
+            any |= if a[0].is_slanted() || b[0].is_slanted() {
+                passes_slanted(&a, &b)
+            } else {
+                let ends = [0, 1].map(|end| difference(&a[end], &b[end]));
+                passes(&ends.map(exact), (a[1].radius + b[1].radius).to_f64())
+            };
         }
     }
     any
@@ -49,11 +54,6 @@ fn difference<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> [[T; 2]; 2] {
         let half_sizes = a.half_size[axis] + b.half_size[axis];
         [(b.min[axis] - a.max[axis]) - half_sizes, (b.max[axis] - a.min[axis]) + half_sizes]
     })
-}
-
-/// The gaps between the two cores along each axis.
-fn gaps<T: Scalar>(sides: &[[T; 2]; 2]) -> [T; 2] {
-    sides.map(|[low, high]| gap([T::ZERO; 2], [low, high]))
 }
 
 /// In float64 no product of float32 numbers is rounded or out of range.
@@ -89,23 +89,61 @@ fn passes(ends: &[Difference; 2], distance: f64) -> bool {
 
 /// Whether the origin is inside a moving box, made larger by `by` on each side, at a time in between.
 fn sweeps_origin([start, end]: &[Difference; 2], by: [f64; 2]) -> bool {
-    // Each side is beyond the origin during an interval of time, and the origin is inside while all four are. The
-    // latest beginning and the earliest end are fractions with positive denominators.
-    let (mut first, mut last) = ([0.0, 1.0], [1.0, 1.0]);
-    for axis in 0..2 {
+    let sides = (0..2).flat_map(|axis| {
         let ([low, high], [to_low, to_high]) = (start[axis], end[axis]);
-        for (from, to) in
-            [(low - by[axis], to_low - by[axis]), (-high - by[axis], -to_high - by[axis])]
-        {
-            match (from < 0.0, to < 0.0) {
-                (true, true) => {}
-                (false, true) => first = later(first, [from, from - to]),
-                (true, false) => last = earlier(last, [-from, to - from]),
-                (false, false) => return false,
-            }
+        [[low - by[axis], to_low - by[axis]], [-high - by[axis], -to_high - by[axis]]]
+    });
+    are_below_zero_at_once(sides)
+}
+
+/// Whether values that change evenly are all below 0 at a time in between. Each is given at the beginning and at the
+/// end.
+fn are_below_zero_at_once(values: impl Iterator<Item = [f64; 2]>) -> bool {
+    // Each side of a polygon is beyond the origin during an interval of time, and the origin is inside while all are.
+    // The latest beginning and the earliest end are fractions with positive denominators.
+    let (mut first, mut last) = ([0.0, 1.0], [1.0, 1.0]);
+    for [from, to] in values {
+        match (from < 0.0, to < 0.0) {
+            (true, true) => {}
+            (false, true) => first = later(first, [from, from - to]),
+            (true, false) => last = earlier(last, [-from, to - from]),
+            (false, false) => return false,
         }
     }
     is_before(first, last)
+}
+
+/// As [`passes`], if the core of one of the shapes is a slanted segment: then the difference of the cores is a polygon
+/// with up to six sides.
+fn passes_slanted<T: Scalar>(a: &Motion<T>, b: &Motion<T>) -> bool {
+    let [start, end] = geometry::Difference::of_motions([a, b]);
+    let radius = start.radius().to_f64();
+    let outwards = |side: &Side<T>| -side.inwards().to_f64();
+    if radius == 0.0 {
+        return are_below_zero_at_once(
+            start.sides_with(&end).map(|both| both.map(|side| outwards(&side))),
+        );
+    }
+    // The origin is outside at both ends. On its way it is nearest to the polygon at a corner, unless it passes through
+    // a side.
+    start.sides_with(&end).any(|both| {
+        let corners = both.map(|side| side.start.map(T::to_f64));
+        let next = both.map(|side| side.end.map(T::to_f64));
+        nears_origin(corners, radius)
+            || (differ(both.map(|side| outwards(&side)))
+                && differ([corners, next].map(left_of_path)))
+    })
+}
+
+/// Whether two numbers have different signs, and none is 0.
+fn differ([a, b]: [f64; 2]) -> bool {
+    a < 0.0 && 0.0 < b || b < 0.0 && 0.0 < a
+}
+
+/// On which side of the origin a moving point passes.
+fn left_of_path([start, end]: [[f64; 2]; 2]) -> f64 {
+    let [x, y] = [end[0] - start[0], end[1] - start[1]];
+    start[0] * y - start[1] * x
 }
 
 fn is_before([a, b]: [f64; 2], [c, d]: [f64; 2]) -> bool {
@@ -129,7 +167,7 @@ fn nears_origin([start, end]: [[f64; 2]; 2], radius: f64) -> bool {
     let leaves = end[0] * x + end[1] * y > 0.0;
     // The distance of the line times the length of the path. For whole numbers both sides are exact where they are
     // equal, so touching is not overlapping here either.
-    approaches && leaves && (start[0] * y - start[1] * x).abs() < radius * length(x.abs(), y.abs())
+    approaches && leaves && left_of_path([start, end]).abs() < radius * length(x.abs(), y.abs())
 }
 
 #[cfg(test)]
@@ -137,7 +175,15 @@ mod tests {
     use super::*;
 
     fn body(center: [f64; 2], half_size: [f64; 2], radius: f64) -> Shape<f64> {
-        Shape { min: center, max: center, half_size, radius, category: 1, mask: 1 }
+        Shape {
+            min: center,
+            max: center,
+            half_size,
+            radius,
+            category: 1,
+            mask: 1,
+            core: jostle_index::Core::Box,
+        }
     }
 
     fn moving(from: [f64; 2], to: [f64; 2], half_size: [f64; 2], radius: f64) -> Motion<f64> {

@@ -4,7 +4,7 @@
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
 //! them with the current pairs, only for the shapes in `changes`; `swept` adds the pairs that met on the way from their
 //! `starts`, by the test in `crossing`. `walking` moves shapes that slide
-//! along others and along `walls`: `walks` computes their motions, `floors` has what they stand on,
+//! along others: `walks` computes their motions, `floors` has what they stand on,
 //! `traces` where obstacles were before they moved. Those that may meet form `islands`, and in an
 //! island a `spatial_hash` of `cells` finds them.
 //!
@@ -25,7 +25,6 @@ mod floors;
 mod traces;
 mod starts;
 mod crossing;
-mod walls;
 mod space;
 mod queries;
 mod pairs;

@@ -6,7 +6,7 @@
 //! on a floor are carried after the floor has moved, by the rest of its motion.
 
 use super::floors::NONE;
-use super::slide_call::{SlideCall, WALL};
+use super::slide_call::SlideCall;
 use super::spatial_hash::SpatialHash;
 use super::stacks::{StackedWalker, Stacks};
 use super::traces::motion;
@@ -340,9 +340,7 @@ impl<T: Scalar> Island<'_, T> {
                 hits: std::mem::take(&mut walker.hits),
             }
         });
-        // A wall does not move, so any centre will do: it carries nobody.
-        let moving = walk.floor.as_mut().filter(|(slot, _)| *slot & WALL == 0);
-        if let Some((slot, center)) = moving {
+        if let Some((slot, center)) = walk.floor.as_mut() {
             *center = self.center_of(*slot);
         }
         walk.platform_velocity = self.platform_velocity(row, walk.floor);
@@ -352,7 +350,7 @@ impl<T: Scalar> Island<'_, T> {
     /// The motion, since the last motion of a row, of the floor on which it is, or else was.
     fn platform_velocity(&self, row: usize, floor: Option<(u32, [T; 2])>) -> [T; 2] {
         let viewer = self.call.viewer(row);
-        let slot = floor.or(viewer.floor).map(|(slot, _)| slot).filter(|slot| slot & WALL == 0);
+        let slot = floor.or(viewer.floor).map(|(slot, _)| slot);
         slot.map_or([T::ZERO; 2], |slot| self.call.motion(&viewer, slot, self.center_of(slot)))
     }
 

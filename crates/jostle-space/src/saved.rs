@@ -1,6 +1,7 @@
 //! The contents of a space as plain columns, from which the same space can be made again.
 
 use jostle_base::ids::Id;
+use jostle_index::geometry::Core;
 
 /// The columns of a space, with a row for each slot, and the state of its last update.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,6 +12,8 @@ pub struct Saved<T> {
     pub radii: Vec<T>,
     /// Half sizes; empty if there are none.
     pub half_sizes: Vec<[T; 2]>,
+    /// What each core is within its corners; empty if all are boxes.
+    pub cores: Vec<Core>,
     /// Categories and masks; empty if there are none.
     pub filters: Vec<[u32; 2]>,
     /// The generation of each slot, with a bit for vacant ones.
@@ -44,6 +47,4 @@ pub struct Saved<T> {
     pub moved: Vec<i64>,
     /// The centre before each of these motions.
     pub before: Vec<[T; 2]>,
-    /// The ends of the line segments.
-    pub walls: Vec<[[T; 2]; 2]>,
 }

@@ -11,7 +11,6 @@ use super::space::Space;
 use super::starts::Starts;
 use super::touching::Touching;
 use super::traces::Traces;
-use super::walls::Walls;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory;
@@ -34,7 +33,6 @@ impl<T: Scalar> Space<T> {
         (saved.rides, saved.ride_centers) = self.floors.save()?;
         self.traces.save(&mut saved)?;
         self.starts.save(&mut saved)?;
-        saved.walls = memory::collect(self.walls().iter().copied())?;
         Ok(saved)
     }
 
@@ -65,7 +63,6 @@ impl<T: Scalar> Space<T> {
         let floors = Floors::restore(&saved, count)?;
         let starts = Starts::restore(&saved, count)?;
         let traces = Traces::restore(&mut saved, count)?;
-        let walls = Walls::new(std::mem::take(&mut saved.walls), &period, settings)?;
         let rows = Rows::of(std::mem::take(&mut saved.ids));
         let slots = Slots::restore(saved)?;
         let mut layers = Layers::of(period);
@@ -86,7 +83,6 @@ impl<T: Scalar> Space<T> {
             floors,
             traces,
             starts,
-            walls,
         })
     }
 }
@@ -99,6 +95,7 @@ fn is_consistent<T>(saved: &Saved<T>) -> bool {
         && fits(saved.corners.len())
         && fits(saved.radii.len())
         && (saved.half_sizes.is_empty() || fits(saved.half_sizes.len()))
+        && (saved.cores.is_empty() || fits(saved.cores.len()))
         && (saved.filters.is_empty() || fits(saved.filters.len()));
     let exists = |&slot: &u32| (slot as usize) < count;
     let lists = [&saved.free, &saved.changed, &saved.leaving];

@@ -5,7 +5,6 @@ use super::floors::{Floors, NONE};
 use super::layers::Layers;
 use super::slots::Slots;
 use super::traces::{CallNumber, Traces, motion, swept};
-use super::walls::Walls;
 use jostle_base::error::Result;
 use jostle_base::memory;
 use jostle_base::settings::Settings;
@@ -14,10 +13,7 @@ use jostle_index::period::{Period, Turns};
 use jostle_index::quadtree::Quadtree;
 use jostle_index::query::each_overlap;
 use jostle_index::shapes::{Each, Shapes};
-use jostle_slide::{CheckedRules, Obstacle, Segment, Solid};
-
-/// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
-pub(crate) const WALL: u32 = 1 << 31;
+use jostle_slide::{CheckedRules, Obstacle, Solid};
 
 /// What all islands of a call have in common.
 pub(crate) struct SlideCall<'a, T> {
@@ -25,8 +21,6 @@ pub(crate) struct SlideCall<'a, T> {
     pub slots: &'a Slots<T>,
     /// Their trees.
     pub layers: &'a Layers<T>,
-    /// The line segments.
-    pub walls: &'a Walls<T>,
     /// The floors on which shapes stand.
     pub floors: &'a Floors<T>,
     /// Where shapes were before they moved.
@@ -141,11 +135,6 @@ impl<T: Scalar> SlideCall<'_, T> {
                 near.push(self.obstacle(viewer, slot, self.slots.shape(slot), turns));
             }
         });
-        self.walls.each_near(bounds, stack, |wall, ends| {
-            let segment = Segment { ends, radius: T::ZERO, category: 0 };
-            let (solid, motion) = (Solid::Segment(segment), [T::ZERO; 2]);
-            near.push(Obstacle { solid, turns, motion, index: WALL | wall });
-        });
     }
 
     fn obstacle(
@@ -159,7 +148,7 @@ impl<T: Scalar> SlideCall<'_, T> {
         let has_moved = is_floor || !self.moved.is_empty();
         let motion =
             if has_moved { self.motion(viewer, slot, shape.center()) } else { [T::ZERO; 2] };
-        Obstacle { solid: Solid::Shape(shape), turns, motion, index: slot }
+        Obstacle { solid: Solid::of(shape), turns, motion, index: slot }
     }
 }
 
@@ -204,7 +193,7 @@ impl<T: Scalar> Moved<T> {
         if all.paths.len() > FEW_MOVED && walkers > FEW_WALKERS {
             let each = || all.paths.iter();
             let bounded =
-                |path: &Shape<T>| path.core().map(|v| v.max(-T::MAX_SIZE).min(T::MAX_SIZE));
+                |path: &Shape<T>| path.sides().map(|v| v.max(-T::MAX_SIZE).min(T::MAX_SIZE));
             let boxes = memory::collect(each().map(bounded))?;
             let filters = [
                 Each::Rows(memory::collect(each().map(|path| path.category))?),

@@ -7,7 +7,7 @@ use super::saved::Saved;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory;
-use jostle_index::geometry::{Scalar, Shape, middle};
+use jostle_index::geometry::{Core, Scalar, Shape, middle};
 use jostle_index::shapes::{
     DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, ShapeColumns, Shapes, corners, middle_of,
 };
@@ -28,6 +28,8 @@ pub(super) struct Slots<T> {
     radii: Vec<T>,
     /// Empty until a shape has half sizes.
     half_sizes: Vec<[T; 2]>,
+    /// What each core is within its box; empty until one is a segment.
+    cores: Vec<Core>,
     /// Categories and masks; empty until a shape has others than the defaults.
     filters: Vec<[u32; 2]>,
     generations: Vec<u32>,
@@ -86,6 +88,7 @@ impl<T: Scalar> Slots<T> {
             corners: memory::collect(corners)?,
             radii: memory::collect(self.radii.iter().copied())?,
             half_sizes: memory::collect(self.half_sizes.iter().copied())?,
+            cores: memory::collect(self.cores.iter().copied())?,
             filters: memory::collect(self.filters.iter().copied())?,
             generations: memory::collect(self.generations.iter().copied())?,
             free: memory::collect(self.free.iter().copied())?,
@@ -95,7 +98,8 @@ impl<T: Scalar> Slots<T> {
 
     /// The slots of consistent columns.
     pub(super) fn restore(saved: Saved<T>) -> Result<Self> {
-        let Saved { corners: boxes, radii, half_sizes, filters, generations, free, .. } = saved;
+        let Saved { corners: boxes, radii, half_sizes, cores, filters, generations, free, .. } =
+            saved;
         let len = generations.iter().filter(|generation| **generation & VACANT == 0).count();
         let freed = generations.iter().any(|generation| *generation & !VACANT != 0);
         let has_boxes = boxes.iter().any(|one| corners(one)[0] != corners(one)[1]);
@@ -111,6 +115,7 @@ impl<T: Scalar> Slots<T> {
             maxes,
             radii,
             half_sizes,
+            cores,
             filters,
             generations,
             free,
@@ -130,12 +135,12 @@ impl<T: Scalar> Slots<T> {
         memory::reserve(&mut self.generations, more)?;
         memory::reserve(&mut self.last_call, more)?;
         let (half_sizes, filters) = (shapes.half_sizes().is_some(), shapes.has_filters());
-        self.reserve_columns(more, [half_sizes, filters])
+        self.reserve_columns(more, [half_sizes, filters, shapes.cores().is_some()])
     }
 
     /// Reserves memory for the columns that are present only if a value differs from the
-    /// default: half sizes, filters.
-    pub(super) fn reserve_columns(&mut self, more: usize, wanted: [bool; 2]) -> Result<()> {
+    /// default: half sizes, filters, cores.
+    pub(super) fn reserve_columns(&mut self, more: usize, wanted: [bool; 3]) -> Result<()> {
         let count = self.count() + more;
         if wanted[0] || !self.half_sizes.is_empty() {
             let missing = count - self.half_sizes.len();
@@ -144,6 +149,10 @@ impl<T: Scalar> Slots<T> {
         if wanted[1] || !self.filters.is_empty() {
             let missing = count - self.filters.len();
             memory::reserve(&mut self.filters, missing)?;
+        }
+        if wanted[2] || !self.cores.is_empty() {
+            let missing = count - self.cores.len();
+            memory::reserve(&mut self.cores, missing)?;
         }
         Ok(())
     }
@@ -221,6 +230,7 @@ impl<T: Scalar> Slots<T> {
             self.set_corners(slot, [shape.min, shape.max]);
             self.set_radius(slot, shape.radius);
             self.set_half_size(slot, shape.half_size);
+            self.set_core(slot, shape.core);
             self.set_filter(slot, [shape.category, shape.mask]);
             return slot;
         }
@@ -235,11 +245,15 @@ impl<T: Scalar> Slots<T> {
         if !self.half_sizes.is_empty() {
             self.half_sizes.push([T::ZERO; 2]);
         }
+        if !self.cores.is_empty() {
+            self.cores.push(Core::Box);
+        }
         if !self.filters.is_empty() {
             self.filters.push([DEFAULT_CATEGORY, DEFAULT_MASK]);
         }
         self.set_corners(slot, [shape.min, shape.max]);
         self.set_half_size(slot, shape.half_size);
+        self.set_core(slot, shape.core);
         self.set_filter(slot, [shape.category, shape.mask]);
         slot
     }
@@ -265,7 +279,7 @@ impl<T: Scalar> Slots<T> {
     }
 
     /// Moves a shape; returns whether that changes it. A shape given as a box is stored as its
-    /// centre and half its size from then on.
+    /// centre and half its size from then on, a segment as two other ends.
     pub(super) fn set_center(&mut self, slot: u32, center: [T; 2]) -> bool {
         if !self.is_box(slot) {
             return self.set_corners(slot, [center; 2]);
@@ -275,6 +289,11 @@ impl<T: Scalar> Slots<T> {
         if shape.center() == center {
             return false;
         }
+        if shape.core != Core::Box {
+            let [hx, hy] = shape.core_half_size();
+            let [x, y] = center;
+            return self.set_corners(slot, [[x - hx, y - hy], [x + hx, y + hy]]);
+        }
         self.set_corners(slot, [center; 2]);
         self.set_half_size(slot, shape.core_half_size());
         true
@@ -283,19 +302,37 @@ impl<T: Scalar> Slots<T> {
     /// Sets the core of a shape to a box and keeps its radius; returns whether that changes
     /// it.
     pub(super) fn set_box(&mut self, slot: u32, corners: [[T; 2]; 2]) -> bool {
+        let shape = self.shape(slot);
+        // Setting the present bounding box is no change, so a segment stays one.
+        if shape.core != Core::Box && [shape.min, shape.max] == corners {
+            return false;
+        }
+        self.set_core_within(slot, corners, Core::Box)
+    }
+
+    /// Sets the core of a shape to a segment, a diagonal of a box, and keeps its radius; returns
+    /// whether that changes it.
+    pub(super) fn set_core_within(&mut self, slot: u32, corners: [[T; 2]; 2], core: Core) -> bool {
         let moved = self.set_corners(slot, corners);
-        self.set_half_size(slot, [T::ZERO; 2]) || moved
+        let resized = self.set_half_size(slot, [T::ZERO; 2]);
+        self.set_core(slot, core) || moved || resized
     }
 
     /// Sets the half sizes of a shape; returns whether that changes it.
     pub(super) fn resize(&mut self, slot: u32, half_size: [T; 2]) -> bool {
         if !self.is_box(slot) {
-            return self.set_half_size(slot, half_size);
+            let changed = self.set_half_size(slot, half_size);
+            if changed {
+                // A segment of no length becomes a box, as any other segment does.
+                self.set_core(slot, Core::Box);
+            }
+            return changed;
         }
         let shape = self.shape(slot);
         if shape.core_half_size() == half_size {
             return false;
         }
+        self.set_core(slot, Core::Box);
         self.set_corners(slot, [shape.center(); 2]);
         self.set_half_size(slot, half_size);
         true
@@ -333,6 +370,21 @@ impl<T: Scalar> Slots<T> {
             self.half_sizes.resize(self.count(), [T::ZERO; 2]);
         }
         std::mem::replace(&mut self.half_sizes[slot as usize], half_size) != half_size
+    }
+
+    fn set_core(&mut self, slot: u32, core: Core) -> bool {
+        if self.cores.is_empty() {
+            if core == Core::Box {
+                return false;
+            }
+            self.cores.resize(self.count(), Core::Box);
+        }
+        std::mem::replace(&mut self.cores[slot as usize], core) != core
+    }
+
+    /// Whether a core may be something else than its box.
+    pub(super) fn has_cores(&self) -> bool {
+        !self.cores.is_empty()
     }
 
     /// Sets the category and mask of a shape; returns whether that changes it.
@@ -375,19 +427,24 @@ impl<T: Scalar> Slots<T> {
             radius: self.radii[slot],
             category,
             mask,
+            core: self.cores.get(slot).copied().unwrap_or_default(),
         }
     }
 
     /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. A value that all
     /// have in common is stored once, so that a tree does not have to sort a column.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) -> Result<()> {
-        let ShapeColumns { centers, radii, half_sizes, boxes, filters } = shapes.columns_mut();
+        let ShapeColumns { centers, radii, half_sizes, boxes, cores, filters } =
+            shapes.columns_mut();
         let each = || slots.iter().map(|&slot| slot as usize);
         centers.clear();
         memory::reserve(centers, slots.len())?;
         let mut all = boxes.take().unwrap_or_default();
-        if slots.iter().any(|&slot| self.is_box(slot)) {
-            let sides = |slot: usize| (self.mins[slot], self.maxes[slot]);
+        let core_of = |slot: usize| self.cores.get(slot).copied().unwrap_or_default();
+        let has_cores = !self.cores.is_empty() && each().any(|slot| core_of(slot) != Core::Box);
+        if has_cores || slots.iter().any(|&slot| self.is_box(slot)) {
+            let max = |slot: usize| self.maxes.get(slot).copied().unwrap_or(self.mins[slot]);
+            let sides = |slot: usize| (self.mins[slot], max(slot));
             all.clear();
             memory::reserve(&mut all, slots.len())?;
             all.extend(each().map(sides).map(|(min, max)| [min[0], min[1], max[0], max[1]]));
@@ -395,6 +452,13 @@ impl<T: Scalar> Slots<T> {
             *boxes = Some(all);
         } else {
             centers.extend(each().map(|slot| self.mins[slot]));
+        }
+        let mut kept = cores.take().unwrap_or_default();
+        if has_cores {
+            kept.clear();
+            memory::reserve(&mut kept, slots.len())?;
+            kept.extend(each().map(core_of));
+            *cores = Some(kept);
         }
         put(radii, each().map(|slot| self.radii[slot]))?;
         let mut halves = half_sizes.take().unwrap_or_default();
@@ -419,9 +483,11 @@ impl<T: Scalar> Slots<T> {
         let corners = self.mins.capacity() + self.maxes.capacity();
         let numbers = 2 * corners + self.radii.capacity();
         let halves = 2 * self.half_sizes.capacity();
+        let cores = self.cores.capacity() * size_of::<Core>();
         let words = self.generations.capacity() + self.last_call.capacity() + self.free.capacity();
         (numbers + halves) * size_of::<T>()
             + (words + 2 * self.filters.capacity()) * size_of::<u32>()
+            + cores
     }
 }
 
@@ -456,7 +522,15 @@ mod tests {
     fn disc(x: f64) -> Shape<f64> {
         let center = [x, 0.0];
         let half_size = [0.0; 2];
-        Shape { min: center, max: center, half_size, radius: 1.0, category: 1, mask: u32::MAX }
+        Shape {
+            min: center,
+            max: center,
+            half_size,
+            radius: 1.0,
+            category: 1,
+            mask: u32::MAX,
+            core: jostle_index::Core::Box,
+        }
     }
 
     #[test]

@@ -8,15 +8,15 @@ use super::slots::Slots;
 use super::starts::Starts;
 use super::touching::Touching;
 use super::traces::Traces;
-use super::walls::Walls;
-use jostle_base::error::Result;
+use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_base::settings::Settings;
-use jostle_index::geometry::{Scalar, Shape};
+use jostle_index::geometry::{Core, Scalar, Shape};
 use jostle_index::period::Period;
 use jostle_index::shapes::{
-    Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
+    Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, check_segment,
+    check_segments, corners, tuple,
 };
 
 /// New values of some columns, each with one value for all of some shapes or one for each. None leaves a column as
@@ -27,6 +27,8 @@ pub struct ShapeChanges<T> {
     pub positions: Option<Each<[T; 2]>>,
     /// In place of centres and half sizes, boxes: min x, min y, max x, max y.
     pub boxes: Option<Each<[T; 4]>>,
+    /// In place of centres and half sizes, segments: start and end.
+    pub segments: Option<Each<[[T; 2]; 2]>>,
     /// Half widths and half heights.
     pub half_sizes: Option<Each<[T; 2]>>,
     /// Radii.
@@ -39,7 +41,7 @@ pub struct ShapeChanges<T> {
 
 impl<T: Scalar> ShapeChanges<T> {
     /// Refuses columns that do not have `len` values, and values out of range.
-    fn validate(&self, len: usize) -> Result<()> {
+    fn validate(&self, len: usize, period: &Period<T>) -> Result<()> {
         if let Some(positions) = &self.positions {
             positions.check_len("positions", len)?;
             positions.check(|positions| check_finite("positions", positions))?;
@@ -47,6 +49,10 @@ impl<T: Scalar> ShapeChanges<T> {
         if let Some(boxes) = &self.boxes {
             boxes.check_len("boxes", len)?;
             boxes.check(|boxes| check_boxes("boxes", boxes))?;
+        }
+        if let Some(segments) = &self.segments {
+            segments.check_len("segments", len)?;
+            segments.check(|segments| check_segments("segments", segments, period))?;
         }
         if let Some(half_sizes) = &self.half_sizes {
             half_sizes.check_len("half_sizes", len)?;
@@ -91,7 +97,6 @@ pub struct Space<T> {
     pub(super) floors: Floors<T>,
     pub(super) traces: Traces<T>,
     pub(super) starts: Starts<T>,
-    pub(super) walls: Walls<T>,
 }
 
 impl<T: Scalar> Space<T> {
@@ -114,7 +119,6 @@ impl<T: Scalar> Space<T> {
             floors: Floors::default(),
             traces: Traces::default(),
             starts: Starts::default(),
-            walls: Walls::default(),
         })
     }
 
@@ -162,6 +166,7 @@ impl<T: Scalar> Space<T> {
     /// Adds shapes; returns their ids. No id is used again.
     pub fn add(&mut self, shapes: &Shapes<T>) -> Result<Vec<Id>> {
         self.slots.check_room(shapes.len())?;
+        shapes.check_period(&self.period)?;
         // All memory is reserved first, so that a failure changes nothing.
         self.slots.reserve(shapes)?;
         self.rows.reserve(shapes.len(), &self.slots)?;
@@ -193,18 +198,26 @@ impl<T: Scalar> Space<T> {
     }
 
     /// Changes columns of shapes. Refuses ids that no shape has or that are given twice, and values out of range;
-    /// then nothing changes. A shape given as a box is stored as its centre and half its size once one of these
-    /// is set to another value.
+    /// then nothing changes. A shape given as a box, or a segment of which half sizes are set, is stored as its centre
+    /// and half its size once one of these is set to another value.
     pub fn set(&mut self, ids: &[Id], new: &ShapeChanges<T>) -> Result<()> {
-        new.validate(ids.len())?;
+        new.validate(ids.len(), &self.period)?;
+        if let Some(positions) = &new.positions {
+            self.check_moved_segments(ids, positions)?;
+        }
         let filters = new.categories.is_some() || new.masks.is_some();
-        self.slots.reserve_columns(0, [new.half_sizes.is_some(), filters])?;
+        self.slots
+            .reserve_columns(0, [new.half_sizes.is_some(), filters, new.segments.is_some()])?;
         let period = self.period;
-        let is_motion = new.positions.is_some() || new.boxes.is_some();
+        let is_motion = new.positions.is_some() || new.boxes.is_some() || new.segments.is_some();
         self.change(ids, is_motion, |slots, slot, row| {
             let mut changed = false;
             if let Some(boxes) = &new.boxes {
                 changed |= slots.set_box(slot, period.wrap_corners(corners(&boxes.at(row))));
+            }
+            if let Some(segments) = &new.segments {
+                let (corners, core) = Core::of_segment(segments.at(row));
+                changed |= slots.set_core_within(slot, period.wrap_corners(corners), core);
             }
             if let Some(positions) = &new.positions {
                 changed |= slots.set_center(slot, period.wrap(positions.at(row)));
@@ -225,14 +238,43 @@ impl<T: Scalar> Space<T> {
         })
     }
 
-    /// The line segments, which have two ends each.
-    pub fn walls(&self) -> &[[[T; 2]; 2]] {
-        self.walls.original()
+    /// Sets the segments of all shapes, in the order of adding. NaN leaves a shape that is none as it is.
+    /// Refuses invalid segments; then nothing changes.
+    pub fn set_segments(&mut self, segments: &[[[T; 2]; 2]]) -> Result<()> {
+        let all = self.ids()?;
+        let shapes = self.read(&all, |shape| shape)?;
+        if segments.len() != all.len() {
+            let (found, expected) = (segments.len(), all.len());
+            return Err(Error::Length { argument: "segments", found, expected });
+        }
+        let (mut ids, mut ends) = (Vec::new(), Vec::new());
+        for (row, segment) in segments.iter().enumerate() {
+            let is_none = shapes[row].core == Core::Box;
+            if is_none && segment.as_flattened().iter().all(|v| v.to_f64().is_nan()) {
+                continue;
+            }
+            check_segment("segments", row, *segment, &self.period)?;
+            memory::push(&mut ids, all[row])?;
+            memory::push(&mut ends, *segment)?;
+        }
+        let segments = Some(Each::Rows(ends));
+        self.set(&ids, &ShapeChanges { segments, ..ShapeChanges::default() })
     }
 
-    /// Replaces the line segments. Refuses invalid ones; then nothing changes.
-    pub fn set_walls(&mut self, ends: Vec<[[T; 2]; 2]>) -> Result<()> {
-        self.walls = Walls::new(ends, &self.period, self.settings)?;
+    /// Refuses positions at which an end of a segment is out of the range of numbers.
+    fn check_moved_segments(&self, ids: &[Id], positions: &Each<[T; 2]>) -> Result<()> {
+        if !self.slots.has_cores() {
+            return Ok(());
+        }
+        for (row, slot) in self.slots.look_up(ids)?.into_iter().enumerate() {
+            let (shape, center) = (self.slots.shape(slot), positions.at(row));
+            let half = shape.core_half_size();
+            let is_finite = |axis: usize| (center[axis].abs() + half[axis]).is_finite();
+            if shape.core != Core::Box && !(is_finite(0) && is_finite(1)) {
+                let rule = "the ends of its segment must be finite";
+                return Err(Error::at("positions", row, tuple(&center), rule));
+            }
+        }
         Ok(())
     }
 
@@ -304,7 +346,6 @@ impl<T: Scalar> Space<T> {
             + self.floors.memory_bytes()
             + self.traces.memory_bytes()
             + self.starts.memory_bytes()
-            + self.walls.memory_bytes()
     }
 
     /// Checks the invariants, for tests; the error describes the first violated one.

@@ -194,7 +194,15 @@ mod tests {
             let center = [random() * 100.0 - 50.0, random() * 100.0];
             let half_size = [random() * scale, 0.0];
             let radius = random() * scale;
-            Shape { min: center, max: center, half_size, radius, category: 1, mask: 1 }
+            Shape {
+                min: center,
+                max: center,
+                half_size,
+                radius,
+                category: 1,
+                mask: 1,
+                core: jostle_index::Core::Box,
+            }
         };
         let all: Vec<_> = (0..300).map(|k| body(if k % 40 == 0 { 30.0 } else { 1.0 })).collect();
         let mut hash = SpatialHash::default();

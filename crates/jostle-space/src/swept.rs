@@ -66,6 +66,7 @@ impl<T: Scalar> Space<T> {
         columns.centers.clear();
         columns.centers.extend(boxes.iter().map(middle_of));
         *columns.boxes = Some(boxes);
+        *columns.cores = None;
         Ok(shapes)
     }
 

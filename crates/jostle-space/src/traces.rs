@@ -11,7 +11,7 @@ use super::saved::Saved;
 use super::slots::Slots;
 use jostle_base::error::{Error, Result};
 use jostle_base::memory;
-use jostle_index::geometry::{Scalar, Shape};
+use jostle_index::geometry::{Core, Scalar, Shape};
 use jostle_index::period::Period;
 use jostle_index::shapes::check_finite;
 
@@ -160,7 +160,8 @@ pub(crate) fn swept<T: Scalar>(slots: &Slots<T>, slot: u32, motion: [T; 2]) -> S
     let low = |axis: usize| shape.min[axis] - extent(axis) - motion[axis].max(T::ZERO);
     let high = |axis: usize| shape.max[axis] + extent(axis) - motion[axis].min(T::ZERO);
     let (min, max) = ([low(0), low(1)], [high(0), high(1)]);
-    Shape { min, max, half_size: [T::ZERO; 2], radius: T::ZERO, ..shape }
+    let core = Core::Box;
+    Shape { min, max, half_size: [T::ZERO; 2], radius: T::ZERO, core, ..shape }
 }
 
 /// The motion that has brought a shape from one centre to another: the minimum image of their

@@ -2,13 +2,13 @@
 
 use super::floors::{NONE, Standing};
 use super::motions::Walk;
-use super::slide_call::{Moved, SlideCall, WALL};
+use super::slide_call::{Moved, SlideCall};
 use super::space::Space;
 use super::traces::CallNumber;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory;
-use jostle_index::geometry::Scalar;
+use jostle_index::geometry::{Core, Scalar};
 use jostle_index::period::Period;
 use jostle_index::shapes::check_finite;
 use jostle_slide::{CheckedRules, SlideRules};
@@ -31,15 +31,14 @@ pub struct Slides<T> {
     pub on_ceiling: Vec<bool>,
     /// Whether obstacles leave no room to a shape, so that it overlaps one.
     pub crushed: Vec<bool>,
-    /// The last floor met; −1 if there is none. The wall with the index k has the number −2 − k.
+    /// The last floor met; −1 if there is none.
     pub floor: Vec<Id>,
     /// The displacement, since the last call for the shape, of that floor, or else of the floor on
     /// which it stood before.
     pub platform_velocity: Vec<[T; 2]>,
     /// Index of the first hit of each shape, and the total number of hits.
     pub offsets: Vec<usize>,
-    /// The ids of the obstacles met by each shape, each once, in the order in which they were met,
-    /// walls as in `floor`.
+    /// The ids of the obstacles met by each shape, each once, in the order in which they were met.
     pub ids: Vec<Id>,
     /// The normal of each obstacle where it was met first.
     pub normals: Vec<[T; 2]>,
@@ -63,7 +62,7 @@ impl<T: Scalar> Space<T> {
         let rules = &rules.check()?;
         check_displacements(ids, displacements, &self.period)?;
         let walkers = self.slots.find(ids)?;
-        self.check_widths(ids, &walkers)?;
+        self.check_walkers(ids, &walkers)?;
         self.reserve_changes(walkers.len())?;
         // All memory that the call needs to store its results is reserved first. After the motions
         // are computed nothing can fail any more.
@@ -81,8 +80,14 @@ impl<T: Scalar> Space<T> {
         self.finish(&walkers, walks?)
     }
 
-    /// Refuses shapes that could collide with their own images.
-    fn check_widths(&self, ids: &[Id], walkers: &[u32]) -> Result<()> {
+    /// Refuses segments, and shapes that could collide with their own images.
+    fn check_walkers(&self, ids: &[Id], walkers: &[u32]) -> Result<()> {
+        for (row, &slot) in walkers.iter().enumerate() {
+            if self.slots.shape(slot).core != Core::Box {
+                let rule = "it is a segment, and segments are obstacles: circles and boxes slide";
+                return Err(Error::at("ids", row, ids[row], rule));
+            }
+        }
         if self.period.is_none() {
             return Ok(());
         }
@@ -126,7 +131,6 @@ impl<T: Scalar> Space<T> {
         let call = SlideCall {
             slots: &self.slots,
             layers: &self.layers,
-            walls: &self.walls,
             floors: &self.floors,
             traces: &self.traces,
             since,
@@ -151,11 +155,6 @@ impl<T: Scalar> Space<T> {
         let moved = moved.filter_map(|slot| Some((slot, self.traces.before(slot, since)?)));
         let moved = moved.filter(|&(slot, before)| before != self.slots.center(slot));
         Moved::new(moved, &self.slots, &self.period, (walkers.len(), self.settings))
-    }
-
-    /// The id of an obstacle that a shape has met.
-    fn id_of_met(&self, slot: u32) -> Id {
-        if slot & WALL == 0 { self.slots.id(slot) } else { -2 - Id::from(slot & !WALL) }
     }
 
     /// Stores the new positions; nothing fails after the first change.
@@ -192,11 +191,11 @@ impl<T: Scalar> Space<T> {
             all.on_ceiling.push(ceiling);
             all.crushed.push(walk.is_crushed);
             all.platform_velocity.push(walk.platform_velocity);
-            all.floor.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
+            all.floor.push(walk.floor.map_or(-1, |(floor, _)| self.slots.id(floor)));
             for (nth, hit) in walk.hits.iter().enumerate() {
                 // A shape meets few obstacles, so a set of them would cost more.
                 if walk.hits[..nth].iter().all(|before| before.index != hit.index) {
-                    all.ids.push(self.id_of_met(hit.index));
+                    all.ids.push(self.slots.id(hit.index));
                     all.normals.push(hit.normal);
                 }
             }
@@ -208,8 +207,7 @@ impl<T: Scalar> Space<T> {
                 floor: self.slots.id(floor),
                 center,
             };
-            let floor = walk.floor.filter(|(floor, _)| floor & WALL == 0);
-            self.floors.all[slot as usize] = floor.map(standing);
+            self.floors.all[slot as usize] = walk.floor.map(standing);
         }
         self.traces.end_call(walkers);
         Ok(all)

@@ -8,7 +8,7 @@ pub use jostle_index::query::{
     first_hits, nearest, neighbors, search,
 };
 pub use jostle_index::{
-    Bounds, Columns, Each, Filter, Node, Period, Quadtree, Scalar, Shape, Shapes,
+    Bounds, Columns, Core, Each, Filter, Node, Period, Quadtree, Scalar, Shape, Shapes,
 };
 pub use jostle_separate::{Separated, Separation, separate};
 pub use jostle_slide::SlideRules;

@@ -65,7 +65,7 @@ fn brute_pairs<T: Scalar>(shapes: &Shapes<T>) -> Vec<[u32; 2]> {
 
 fn periodic<T: Scalar>(raw: &Raw, sides: [f64; 2]) -> Shapes<T> {
     let period = Period::new(sides.map(T::from_f64)).expect("valid");
-    raw.typed::<T>().in_period(period)
+    raw.typed::<T>().in_period(period).expect("valid")
 }
 
 fn pairs_agree<T: Scalar>(raw: &Raw, sides: [f64; 2], settings: Settings, distance: f64) {
@@ -394,7 +394,7 @@ fn tiles_that_touch_across_the_boundary_do_not_overlap() {
         .map(|(row, column)| [ticks[column], ticks[row], ticks[column + 1], ticks[row + 1]])
         .collect();
     let shapes = Shapes::from_boxes(boxes, Each::One(0.0), None).expect("valid");
-    let shapes = shapes.in_period(Period::new([1.0, 1.0]).expect("valid"));
+    let shapes = shapes.in_period(Period::new([1.0, 1.0]).expect("valid")).expect("valid");
     let found = pairs::find(&shapes, Some(Method::Quadtree), None, 1000).expect("few pairs");
     assert_eq!(found.pairs, [[0; 2]; 0]);
     let grown = shapes.grown(1e-9).expect("valid");
@@ -406,7 +406,7 @@ fn tiles_that_touch_across_the_boundary_do_not_overlap() {
 #[test]
 fn rays_that_are_too_long_are_refused() {
     let discs = Shapes::circles(vec![[0.0, 0.0]], Each::One(1.0)).expect("valid");
-    let shapes = discs.in_period(Period::new([10.0, 0.0]).expect("valid"));
+    let shapes = discs.in_period(Period::new([10.0, 0.0]).expect("valid")).expect("valid");
     let tree = Quadtree::new(&shapes, Settings::default()).expect("valid");
     let ray = |length: f64| {
         let (origin, direction) = (Each::One([0.0, 5.0]), Each::One([1.0, 0.0]));

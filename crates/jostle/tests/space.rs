@@ -104,7 +104,15 @@ struct Trial<T> {
 fn of<T: Scalar>(&(x, y, radius, half_x, half_y, category, mask): &Row) -> Shape<T> {
     let at = T::from_f64;
     let (center, half_size) = ([at(x), at(y)], [at(half_x), at(half_y)]);
-    Shape { min: center, max: center, half_size, radius: at(radius), category, mask }
+    Shape {
+        min: center,
+        max: center,
+        half_size,
+        radius: at(radius),
+        category,
+        mask,
+        core: jostle::Core::Box,
+    }
 }
 
 fn box_of<T: Scalar>(&[x, y, width, height]: &[f64; 4]) -> [T; 4] {
@@ -275,7 +283,8 @@ impl<T: Scalar> Trial<T> {
         for ((id, [min_x, min_y, max_x, max_y]), radius) in ids.into_iter().zip(boxes).zip(radii) {
             let (min, max) = ([min_x, min_y], [max_x, max_y]);
             let (half_size, category, mask) = ([T::ZERO; 2], 1, u32::MAX);
-            let shape = Shape { min, max, half_size, radius, category, mask };
+            let shape =
+                Shape { min, max, half_size, radius, category, mask, core: jostle::Core::Box };
             assert_eq!(self.shapes.insert(id, shape), None);
         }
     }

@@ -24,6 +24,8 @@ class Shapes(Result):
         Half widths and half heights; 0 for circles, ``(max - min) / 2`` for shapes given as boxes.
     boxes : ndarray of float32 or float64, shape (k, 4)
         Sides min_x, min_y, max_x, max_y without the radii, as given or ``center ± half_size``.
+    segments : ndarray of float32 or float64, shape (k, 2, 2)
+        Start and end of segments; NaN for other shapes.
     categories, masks : ndarray of uint32, shape (k,)
         Bit sets of 32 bits.
 
@@ -33,12 +35,13 @@ class Shapes(Result):
     Shape : The same of one shape.
     """
 
-    __slots__ = ("positions", "radii", "half_sizes", "boxes", "categories", "masks")
+    __slots__ = ("positions", "radii", "half_sizes", "boxes", "segments", "categories", "masks")
 
     positions: NDArray[np.floating[Any]]
     radii: NDArray[np.floating[Any]]
     half_sizes: NDArray[np.floating[Any]]
     boxes: NDArray[np.floating[Any]]
+    segments: NDArray[np.floating[Any]]
     categories: NDArray[np.uint32]
     masks: NDArray[np.uint32]
 
@@ -56,6 +59,8 @@ class Shape(Result):
         Half width and half height; 0 for a circle.
     boxes : ndarray of float32 or float64, shape (4,)
         Sides min_x, min_y, max_x, max_y without the radius, as given or ``center ± half_size``.
+    segments : ndarray of float32 or float64, shape (2, 2)
+        Start and end of a segment; NaN for another shape.
     categories, masks : int
         Bit sets of 32 bits.
 
@@ -71,6 +76,7 @@ class Shape(Result):
     radii: float
     half_sizes: NDArray[np.floating[Any]]
     boxes: NDArray[np.floating[Any]]
+    segments: NDArray[np.floating[Any]]
     categories: int
     masks: int
 
@@ -110,12 +116,11 @@ class Slide(Result):
         The displacement that was given, without its components into the obstacles; divided by
         the duration of the step it is the velocity for the next step.
     hits : ndarray of int64, shape (m,)
-        Ids of the obstacles, each once, in the order in which it met them; -2 - k is the wall with
-        the index k.
+        Ids of the obstacles, each once, in the order in which it met them.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit normal of each obstacle where it was met first, towards the shape.
     floor : int
-        Id of the last floor that it met; -1 if there is none, a wall as in `hits`.
+        Id of the last floor that it met; -1 if there is none.
     platform_velocity : ndarray of float32 or float64, shape (2,)
         The displacement, since the last call for the shape, of that floor, or else of the floor on
         which it stood before; (0, 0) without one.
@@ -166,13 +171,12 @@ class Slides(Result):
         The displacements that were given, without their components into the obstacles; divided
         by the duration of the step they are the velocities for the next step.
     hits : IdLists
-        Ids of the obstacles of each, each once, in the order in which it met them; -2 - k is the
-        wall with the index k.
+        Ids of the obstacles of each, each once, in the order in which it met them.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit normal of each obstacle where it was met first, towards the shape that met it; in the
         order of ``hits.ids``.
     floor : ndarray of int64, shape (k,)
-        Id of the last floor that each met; -1 if there is none, a wall as in `hits`.
+        Id of the last floor that each met; -1 if there is none.
     platform_velocity : ndarray of float32 or float64, shape (k, 2)
         The displacement, since the last call for the shape, of that floor, or else of the floor on
         which it stood before; (0, 0) without one.

@@ -7,7 +7,7 @@ import pygame
 from numpy.typing import NDArray
 from typing_extensions import assert_type
 
-from jostle import Slide, Slides, Space
+from jostle import Slide, Slides, Space, polyline
 
 Ids = NDArray[np.int64]
 Reals = NDArray[np.floating[Any]]
@@ -22,6 +22,10 @@ def added(space: Space, single: NDArray[np.float32], points: list[tuple[int, int
     assert_type(space.add(points, np.ones(3)), Ids)
     assert_type(space.add([(0, 0)], radii=1.0, masks=3), Ids)
     assert_type(space.add([pygame.Vector2(), pygame.Vector2()]), Ids)
+    assert_type(space.add(segments=[(0, 0), (1, 2.5)]), int)
+    assert_type(space.add(segments=(pygame.Vector2(), pygame.Vector2())), int)
+    assert_type(space.add(segments=[[(0, 0), (1, 2)], [(1, 2), (3, 4)]]), Ids)
+    assert_type(space.add(segments=polyline(points)), Ids)
 
 
 def added_of_any_type(space: Space, given: dict[str, Any], rows: list[Any]) -> None:
@@ -52,6 +56,9 @@ def columns(space: Space, id: int, ids: Ids, some: list[int], given: Any) -> Non
     assert_type(space.get(id).positions, Reals)
     assert_type(space.get(ids).positions, Reals)
     assert_type(space.get(some).half_sizes, Reals)
+    assert_type(space.get(id).segments, Reals)
+    assert_type(space.segments, Reals)
+    assert_type(space.bounds(), Reals)
 
 
 def events(space: Space) -> None:

@@ -1,18 +1,22 @@
 //! Shapes, the overlap test, bounds of sets of shapes, and contacts.
 //!
-//! A shape is a rounded box: every point within `radius` of its core, an axis-aligned box. The
-//! core is given as `center ± half_size`, or as `min` and `max`. [`overlap`] is the only
-//! formula for the overlap of two shapes, in the arithmetic of the caller's type; [`lanes`] has it
-//! for blocks of shapes. Cores given as `min` and `max` are compared exactly. [`Bounds`] of a set
-//! of shapes are tested with the same formula. Rounding is monotone, so if bounds do not overlap,
-//! none of their shapes does; no tolerance is needed.
+//! A shape is every point within `radius` of its core: an axis-aligned box, or a line segment, which
+//! is a diagonal of its bounding box. The box is given as `center ± half_size`, or as `min` and
+//! `max`. [`overlap`] is the only formula for the overlap of two boxes, and of the bounding boxes of
+//! segments, in the arithmetic of the caller's type; [`lanes`] has it for blocks of shapes. Cores
+//! given as `min` and `max` are compared exactly. [`Bounds`] of a set of shapes are tested with the
+//! same formula. Rounding is monotone, so if bounds do not overlap, none of their shapes does; no
+//! tolerance is needed.
 //!
 //! C. Ericson, *Real-Time Collision Detection* (2005), chapters 4.2 (AABBs) and 4.4.2
 //! (swept spheres).
 
 mod scalar;
+mod core;
 pub mod lanes;
 
+pub(crate) use core::into_circle;
+pub use core::{Core, Difference, Side, cores_overlap};
 pub use scalar::{Scalar, into_range, length, middle, within};
 
 /// The gap between two intervals `[min, max]`; negative if they overlap.
@@ -56,7 +60,7 @@ pub fn discs_overlap<T: Scalar>([x, y]: [T; 2], radius_sum: T) -> bool {
     x * x + y * y < radius_sum * radius_sum
 }
 
-/// A rounded box with its filter. Its core extends from `min - half_size` to `max + half_size`.
+/// A shape with its filter. The bounding box of its core extends from `min - half_size` to `max + half_size`.
 ///
 /// If a shape is given by its centre, both `min` and `max` are the centre. If it is given as a
 /// box, its `half_size` is 0, so its sides are compared without rounding.
@@ -74,6 +78,8 @@ pub struct Shape<T> {
     pub category: u32,
     /// The categories that it may pair with, a bit set.
     pub mask: u32,
+    /// What the core is within `min - half_size` to `max + half_size`.
+    pub core: Core,
 }
 
 impl<T: Scalar> Shape<T> {
@@ -96,8 +102,8 @@ impl<T: Scalar> Shape<T> {
         Self { min: by(self.min), max: by(self.max), ..*self }
     }
 
-    /// Lower and upper corner of the core; rounded if the shape has a `half_size`.
-    pub fn core(&self) -> [T; 4] {
+    /// Lower and upper corner of the bounding box of the core; rounded if the shape has a `half_size`.
+    pub fn sides(&self) -> [T; 4] {
         let low = |axis: usize| self.min[axis] - self.half_size[axis];
         let high = |axis: usize| self.max[axis] + self.half_size[axis];
         [low(0), low(1), high(0), high(1)]
@@ -236,6 +242,9 @@ impl<T: Scalar> Bounds<T> {
 /// If the cores are disjoint, the normal joins their closest points. If they overlap, it is the
 /// axis of least penetration (separating axis test). For coincident centres it is +x.
 pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
+    if a.is_slanted() || b.is_slanted() {
+        return Difference::of(a, b).contact();
+    }
     // Both gaps of each axis, since which of them is the larger one tells on which side `b` lies.
     let above = [b.min[0] - a.max[0], b.min[1] - a.max[1]];
     let below = [a.min[0] - b.max[0], a.min[1] - b.max[1]];
@@ -271,6 +280,9 @@ pub fn contact_points<T: Scalar>(
     b: &Shape<T>,
     (normal, depth): ([T; 2], T),
 ) -> [[T; 2]; 2] {
+    if a.is_slanted() || b.is_slanted() {
+        return core::contact_points(a, b, (normal, depth));
+    }
     // From the surface of `a` half of the depth inwards; the surface of `b` is as far away on the other side.
     let inwards = a.radius - depth * T::from_f64(0.5);
     let side_of_a = |axis: usize| {
@@ -299,7 +311,15 @@ mod tests {
     use super::*;
 
     fn disc(x: f32, y: f32, radius: f32) -> Shape<f32> {
-        Shape { min: [x, y], max: [x, y], half_size: [0.0; 2], radius, category: 1, mask: 1 }
+        Shape {
+            min: [x, y],
+            max: [x, y],
+            half_size: [0.0; 2],
+            radius,
+            category: 1,
+            mask: 1,
+            core: Core::Box,
+        }
     }
 
     /// The bounds of one shape overlap if the shape does.

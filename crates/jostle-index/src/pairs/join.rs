@@ -6,7 +6,7 @@
 use super::images::Image;
 use super::kernel::{Kernel, Scratch, Side, of_kind};
 use super::output::{Budget, MapPairs, Output, PairScratch, filter_map};
-use super::{Filters, Found};
+use super::{Filters, Found, keep_overlapping};
 use crate::geometry::{Bounds, Scalar};
 use crate::quadtree::Quadtree;
 use jostle_base::error::Result;
@@ -109,6 +109,14 @@ impl<'a, T: Scalar> Join<'a, T> {
         if parallel::is_parallel(threads) {
             self.split(tasks);
         }
+        // The kernels compare bounding boxes. Where cores are something else, the exact test follows
+        // here, while the pairs of a portion are in the cache.
+        let (a, b, shifts) = (self.a.columns(), self.b.columns(), [self.shift, self.other_shift]);
+        let exact = |pairs: &mut [[u32; 2]]| {
+            let kept = keep_overlapping(a, b, shifts, pairs);
+            map(&mut pairs[..kept])
+        };
+        let map: &MapPairs<'_> = if a.has_cores() || b.has_cores() { &exact } else { map };
         Budget::new(max_pairs).find(threads, tasks.len(), map, pairs, |task, output| {
             let mut stack = std::mem::take(output.stack());
             stack.push(tasks[task]);

@@ -16,7 +16,7 @@ mod segments;
 use std::ops::Range;
 
 use crate::columns::Columns;
-use crate::geometry::Scalar;
+use crate::geometry::{Scalar, cores_overlap};
 use crate::quadtree::Quadtree;
 use crate::shapes::{Each, Shapes};
 pub use contacts::{Overlaps, overlaps};
@@ -325,7 +325,8 @@ pub fn brute<T: Scalar>(
         if band == bands { len } else { ((1.0 - rest.sqrt()) * len as f64) as usize }
     };
     let budget = Budget::new(max_pairs);
-    budget.find(threads, bands, &unchanged, &mut PairScratch::default(), |band, output| {
+    let map = |pairs: &mut [[u32; 2]]| keep_overlapping(columns, columns, [[T::ZERO; 2]; 2], pairs);
+    budget.find(threads, bands, &map, &mut PairScratch::default(), |band, output| {
         T::with_widest(Brute {
             a: columns,
             b: columns,
@@ -348,7 +349,8 @@ pub fn brute_between<T: Scalar>(
 ) -> Result<Found> {
     let budget = Budget::new(max_pairs);
     let rows = 0..a.len();
-    budget.find(Some(1), 1, &unchanged, &mut PairScratch::default(), |_, output| {
+    let map = |pairs: &mut [[u32; 2]]| keep_overlapping(a, b, [shift, [T::ZERO; 2]], pairs);
+    budget.find(Some(1), 1, &map, &mut PairScratch::default(), |_, output| {
         T::with_widest(Brute { a, b, shift, filters, rows: rows.clone(), is_same: false, output });
     })
 }
@@ -356,6 +358,24 @@ pub fn brute_between<T: Scalar>(
 /// [`MapPairs`] that leaves pairs of indices unchanged.
 fn unchanged(pairs: &mut [[u32; 2]]) -> usize {
     pairs.len()
+}
+
+/// [`MapPairs`] that keeps the pairs whose cores overlap, of those whose bounding boxes do: shapes
+/// of `a` and of `b`, moved by minus `shifts`.
+fn keep_overlapping<T: Scalar>(
+    a: &Columns<T>,
+    b: &Columns<T>,
+    [shift, other_shift]: [[T; 2]; 2],
+    pairs: &mut [[u32; 2]],
+) -> usize {
+    if !a.has_cores() && !b.has_cores() {
+        return pairs.len();
+    }
+    filter_map(pairs, |[i, j]| {
+        let first = a.shape(i as usize).moved(shift);
+        let second = b.shape(j as usize).moved(other_shift);
+        cores_overlap(&first, &second).then_some([i, j])
+    })
 }
 
 /// Tests each of `rows` of `a` against all shapes of `b`, or against later rows if both are the

@@ -344,5 +344,6 @@ fn compare_shapes<T: Scalar>(shapes: &Shapes<T>, a: usize, b: usize) -> Ordering
     };
     let pairs = sizes(&a).into_iter().zip(sizes(&b));
     let by_size = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());
-    by_size.unwrap_or(Ordering::Equal).then_with(|| (a.category, a.mask).cmp(&(b.category, b.mask)))
+    let bits = |shape: &Shape<T>| (shape.category, shape.mask, shape.core);
+    by_size.unwrap_or(Ordering::Equal).then_with(|| bits(&a).cmp(&bits(&b)))
 }

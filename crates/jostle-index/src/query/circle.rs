@@ -2,7 +2,7 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::geometry::{Scalar, Shape, overlap};
+use crate::geometry::{Scalar, Shape, cores_overlap, overlap};
 use crate::period::Period;
 use crate::shapes::{Each, check_finite, check_radii};
 use jostle_base::error::Result;
@@ -39,6 +39,7 @@ impl<T: Scalar> Region<T> for Circle<T> {
     #[inline(always)]
     fn overlaps(&self, shape: &Shape<T>) -> bool {
         overlap(shape.gaps_to(self.center), shape.radius + self.radius)
+            && cores_overlap(&self.window().shape(), shape)
     }
 
     fn moved(&self, shift: [T; 2]) -> Self {

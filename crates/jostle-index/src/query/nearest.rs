@@ -11,7 +11,9 @@ use std::ops::Range;
 use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distances, morton_order, worthwhile};
 use crate::columns::Columns;
-use crate::geometry::{Bounds, Scalar, Shape, gap, lanes, length, square_of_gaps};
+use crate::geometry::{
+    Bounds, Core, Difference, Scalar, Shape, gap, lanes, length, square_of_gaps,
+};
 use crate::period::Period;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Each, check_finite};
@@ -25,8 +27,7 @@ use jostle_simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 /// The distance of a point from the surface of a shape; 0 inside.
 #[inline(always)]
 pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
-    let [x, y] = shape.gaps_to(point);
-    (length(x.max(T::ZERO), y.max(T::ZERO)) - shape.radius).max(T::ZERO)
+    Origin { images: point.map(|at| [at; 3]) }.distance::<false>(shape)
 }
 
 /// As [`distance`], to the nearest image in a periodic plane.
@@ -70,7 +71,26 @@ impl<T: Scalar> Origin<T> {
     #[inline(always)]
     fn distance<const PERIODIC: bool>(&self, shape: &Shape<T>) -> T {
         let [x, y] = self.gaps::<PERIODIC>([shape.min, shape.max], shape.half_size);
-        (length(x.max(T::ZERO), y.max(T::ZERO)) - shape.radius).max(T::ZERO)
+        let mut from_core = length(x.max(T::ZERO), y.max(T::ZERO));
+        if shape.is_slanted() {
+            // Never below that of the box, by which nodes and blocks are left out.
+            from_core = from_core.max(self.distance_of_line::<PERIODIC>(shape));
+        }
+        (from_core - shape.radius).max(T::ZERO)
+    }
+
+    /// The distance from a slanted core.
+    fn distance_of_line<const PERIODIC: bool>(&self, shape: &Shape<T>) -> T {
+        let [along_x, along_y] = self.images;
+        let count = if PERIODIC { 3 } else { 1 };
+        let images = along_y.into_iter().take(count);
+        let images = images.flat_map(|y| along_x.into_iter().take(count).map(move |x| [x, y]));
+        let distance = |point: [T; 2]| {
+            let half_size = [T::ZERO; 2];
+            let point = Shape { min: point, max: point, half_size, core: Core::Box, ..*shape };
+            Difference::of(&point, shape).distance()
+        };
+        images.map(distance).fold(T::INFINITY, T::min)
     }
 
     /// A lower bound of the squared distance to the cores of the shapes within `bounds`.

@@ -2,7 +2,7 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::geometry::{Scalar, Shape, within};
+use crate::geometry::{Core, Difference, Scalar, Shape, within};
 use crate::period::Period;
 use crate::shapes::check_finite;
 use jostle_base::error::Result;
@@ -33,7 +33,7 @@ impl<T: Scalar> Region<T> for Point<T> {
     #[inline(always)]
     fn overlaps(&self, shape: &Shape<T>) -> bool {
         let half_size = shape.half_size;
-        if shape.radius == T::ZERO && !shape.is_round() {
+        if shape.radius == T::ZERO && !shape.is_round() && shape.core == Core::Box {
             let inside = |axis: usize| {
                 let (point, half) = (self.0[axis], half_size[axis]);
                 // Differences, as everywhere in the core: `shape.min - half` is rounded, and a
@@ -44,6 +44,7 @@ impl<T: Scalar> Region<T> for Point<T> {
         }
         let [x, y] = shape.gaps_to(self.0);
         within(x.max(T::ZERO), y.max(T::ZERO), shape.radius)
+            && (!shape.is_slanted() || Difference::of(&self.window().shape(), shape).touches())
     }
 
     fn moved(&self, shift: [T; 2]) -> Self {

@@ -33,6 +33,11 @@ impl Side {
         let length = power_of_two_above(x.abs().max(y.abs()));
         Self { start: [ax, ay], along: [x / length, y / length], length }
     }
+
+    /// Distance of a point from the line, up to a factor; positive on the left.
+    fn left(&self, [x, y]: [f64; 2]) -> f64 {
+        self.along[0] * (y - self.start[1]) - self.along[1] * (x - self.start[0])
+    }
 }
 
 /// A power of two above `value`, at most `2 · value` if that is a normal number.
@@ -92,6 +97,17 @@ impl<T: Scalar> Polygon<T> {
     /// polygon separates them. The sides of the core have been tested before.
     fn overlaps_core(&self, shape: &Shape<f64>) -> bool {
         let [hx, hy] = shape.half_size;
+        if let Some([a, b]) = line_of(shape) {
+            let line = Side::new(a, b);
+            let (left, right) = (|side: f64| side > 0.0, |side: f64| side < 0.0);
+            let is_on =
+                |which: fn(f64) -> bool| self.sides.iter().any(|s| which(line.left(s.start)));
+            // The sides of the polygon, and the segment itself, are all the lines that may separate
+            // the two.
+            return is_on(left)
+                && is_on(right)
+                && self.sides.iter().all(|side| side.left(a) > 0.0 || side.left(b) > 0.0);
+        }
         self.sides.iter().all(|Side { start, along, .. }| {
             // The corner of `min` and `max` farthest to the left of the side.
             let corner_x = if along[1] < 0.0 { shape.max[0] } else { shape.min[0] };
@@ -108,9 +124,16 @@ impl<T: Scalar> Polygon<T> {
     /// of a corner of the polygon from the core, or of a corner of the core from a side.
     fn is_within(&self, shape: &Shape<f64>) -> bool {
         let radius_square = shape.radius * shape.radius;
-        let from_core = |vertex: [f64; 2]| square_of_gaps(shape.gaps_to(vertex));
-        let [left, top, right, bottom] = shape.core();
-        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        let line = line_of(shape);
+        let from_core = |vertex: [f64; 2]| match line {
+            Some([a, b]) => from_side(vertex, &Side::new(a, b)),
+            None => square_of_gaps(shape.gaps_to(vertex)),
+        };
+        let [left, top, right, bottom] = shape.sides();
+        let corners = match line {
+            Some([a, b]) => [a, b, a, b],
+            None => [[left, top], [right, top], [left, bottom], [right, bottom]],
+        };
         // The four corners of a point are the same.
         let corners = if shape.is_round() { &corners[..1] } else { &corners[..] };
         self.sides.iter().any(|side| from_core(side.start) < radius_square)
@@ -119,6 +142,11 @@ impl<T: Scalar> Polygon<T> {
                 .iter()
                 .any(|side| corners.iter().any(|&corner| from_side(corner, side) < radius_square))
     }
+}
+
+/// The ends of a slanted segment.
+fn line_of(shape: &Shape<f64>) -> Option<[[f64; 2]; 2]> {
+    if shape.is_slanted() { shape.segment() } else { None }
 }
 
 /// Squared distance of a point from a side.
@@ -196,9 +224,9 @@ impl<T: Scalar> Region<T> for Polygon<T> {
         if !overlap([dx, dy], shape.radius) {
             return false;
         }
-        let Shape { min, max, half_size, radius, category, mask } = *shape;
+        let Shape { min, max, half_size, radius, category, mask, core } = *shape;
         let [min, max, half_size] = [min, max, half_size].map(|pair| pair.map(T::to_f64));
-        let shape = Shape { min, max, half_size, radius: radius.to_f64(), category, mask };
+        let shape = Shape { min, max, half_size, radius: radius.to_f64(), category, mask, core };
         (inside && self.overlaps_core(&shape)) || self.is_within(&shape)
     }
 

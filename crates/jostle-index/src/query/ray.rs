@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use super::check_max_distances;
-use crate::geometry::{Scalar, Shape, into_range, length, middle, within};
+use crate::geometry::{
+    self, Difference, Scalar, Shape, into_circle, into_range, length, middle, within,
+};
 use crate::period::Period;
 use crate::shapes::{Each, check_each_half_size, check_finite, check_radii, tuple};
 use jostle_base::error::{Error, Result};
@@ -110,6 +112,13 @@ impl<T: Scalar> Ray<T> {
         Self { origin, ..*self }
     }
 
+    /// The shape that moves, at its start.
+    fn start(&self) -> Shape<T> {
+        let Self { origin, half_size, radius, .. } = *self;
+        let core = geometry::Core::Box;
+        Shape { min: origin, max: origin, half_size, radius, category: 0, mask: 0, core }
+    }
+
     /// A shape extended by the half size of the ray.
     #[inline(always)]
     fn extended(&self, shape: &Shape<T>) -> Shape<T> {
@@ -140,6 +149,13 @@ fn unit<T: Scalar>(direction: [T; 2]) -> [T; 2] {
 /// A moving disc or box hits a shape if its centre hits the Minkowski sum of both. For two circles
 /// that is a larger circle; for a box the union of two larger boxes and a circle at each corner.
 pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
+    if shape.is_slanted() {
+        let difference = Difference::of(&ray.start(), shape);
+        if difference.touches() {
+            return Some(T::ZERO);
+        }
+        return difference.entry(ray.direction).map(|(distance, _)| distance);
+    }
     let shape = ray.extended(shape);
     let Shape { min, max, half_size: [hx, hy], .. } = shape;
     let radius_sum = shape.radius + ray.radius;
@@ -167,6 +183,10 @@ pub fn normal<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T) -> [T; 2] 
     if distance == T::ZERO {
         return [T::ZERO; 2];
     }
+    if shape.is_slanted() {
+        let entry = Difference::of(&ray.start(), shape).entry(ray.direction);
+        return entry.map_or([T::ZERO; 2], |(_, normal)| normal);
+    }
     let Shape { min, max, half_size, radius, .. } = ray.extended(shape);
     let (mut gaps, mut signs) = ([T::ZERO; 2], [T::ONE; 2]);
     for axis in 0..2 {
@@ -182,8 +202,14 @@ pub fn normal<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T) -> [T; 2] 
     if radius + ray.radius > T::ZERO && far > T::ZERO {
         return [x / far * signs[0], y / far * signs[1]];
     }
-    // A side without rounding: the axis with the larger gap.
-    if gaps[0] < gaps[1] { [T::ZERO, signs[1]] } else { [signs[0], T::ZERO] }
+    // A side without rounding: the axis with the larger gap. Of a core without width both sides are at
+    // the same place, up to rounding; the one that is hit faces the ray.
+    let facing = |axis: usize| match ray.direction[axis] {
+        along if along > T::ZERO => -T::ONE,
+        along if along < T::ZERO => T::ONE,
+        _ => signs[axis],
+    };
+    if gaps[0] < gaps[1] { [T::ZERO, facing(1)] } else { [facing(0), T::ZERO] }
 }
 
 /// From the place of a moving shape when it hits another, to the point where they touch: on the surface of the shape
@@ -196,6 +222,9 @@ pub(super) fn touch<T: Scalar>(
 ) -> [T; 2] {
     if ray.half_size == [T::ZERO; 2] && ray.radius == T::ZERO || distance == T::ZERO {
         return [T::ZERO; 2];
+    }
+    if shape.is_slanted() {
+        return touch_of_line(ray, shape, distance, normal);
     }
     [0, 1].map(|axis| {
         let at = ray.origin[axis] + ray.direction[axis] * distance;
@@ -215,6 +244,28 @@ pub(super) fn touch<T: Scalar>(
             middle(low.max(-half), high.min(half))
         };
         nearest + normal[axis] * shape.radius
+    })
+}
+
+/// [`touch`] for a slanted segment.
+fn touch_of_line<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T, normal: [T; 2]) -> [T; 2] {
+    // A side of the box has met an end of the segment: the end that is farthest along the normal.
+    if let Some(axis) = (0..2).find(|&axis| normal[axis] == T::ZERO)
+        && let Some([start, end]) = shape.segment()
+    {
+        let along = 1 - axis;
+        let is_end = (end[along] - start[along]) * normal[along] > T::ZERO;
+        let place = if is_end { end } else { start };
+        return [0, 1].map(|axis| {
+            let at = ray.origin[axis] + ray.direction[axis] * distance;
+            place[axis] - at + normal[axis] * shape.radius
+        });
+    }
+    // A corner of the moving shape has met the segment.
+    [0, 1].map(|axis| {
+        let half = ray.half_size[axis];
+        let corner = if normal[axis] > T::ZERO { -half } else { half };
+        corner - normal[axis] * ray.radius
     })
 }
 
@@ -251,20 +302,6 @@ fn hit_in_range<T: Scalar>(core: &Core<T>, radius: T, ray: &Ray<T>) -> Option<T>
         corner(right, bottom),
     ];
     distances.into_iter().flatten().reduce(T::min)
-}
-
-/// The distance from `m`, which is outside, along `u` to a circle around (0, 0).
-fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
-    let along = m[0] * u[0] + m[1] * u[1];
-    let across = m[0] * u[1] - m[1] * u[0];
-    // Not compared as squares, which may underflow. NaN is a miss.
-    if !(along <= T::ZERO && across.abs() <= radius) {
-        return None;
-    }
-    // Not from the discriminant of the quadratic equation, b² - c: both are large for a distant
-    // circle, and their difference has few digits.
-    let half_chord = (radius * radius - across * across).max(T::ZERO);
-    Some((-along - half_chord.sqrt()).max(T::ZERO))
 }
 
 /// The distance to a box along `u` from a point outside of it (slab method).

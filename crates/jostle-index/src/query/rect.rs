@@ -2,7 +2,7 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::geometry::{Scalar, Shape, overlap};
+use crate::geometry::{Scalar, Shape, cores_overlap, overlap};
 use crate::shapes::{check_rects, corners};
 use jostle_base::error::Result;
 use jostle_base::memory;
@@ -39,6 +39,7 @@ impl<T: Scalar> Region<T> for Rect<T> {
     #[inline(always)]
     fn overlaps(&self, shape: &Shape<T>) -> bool {
         overlap(self.window().gaps(shape), shape.radius)
+            && cores_overlap(&self.window().shape(), shape)
     }
 
     fn moved(&self, shift: [T; 2]) -> Self {

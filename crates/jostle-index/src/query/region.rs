@@ -177,7 +177,8 @@ fn search_in_order<T: Scalar>(
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
     let threads = worthwhile(tree.settings().threads, order.len());
-    let exact = regions.window_is_exact();
+    // The window is compared with bounding boxes. If cores are something else, the region decides.
+    let exact = regions.window_is_exact() && !tree.columns().has_cores();
     let stop = Stop::current();
     let count = AtomicUsize::new(0);
     let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();

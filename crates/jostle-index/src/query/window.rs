@@ -1,7 +1,7 @@
 //! The window of a region: bounds that are tested against nodes and blocks of shapes.
 
 use crate::columns::Columns;
-use crate::geometry::{Bounds, Scalar, Shape, gaps, lanes, middle, overlap, square_of_gaps};
+use crate::geometry::{Bounds, Core, Scalar, Shape, gaps, lanes, middle, overlap, square_of_gaps};
 use jostle_simd::{Simd, block};
 
 /// The bounds of a [`Region`](super::Region): all points within `radius` of the rectangle from `min`
@@ -21,6 +21,14 @@ impl<T: Scalar> Window<T> {
     pub(super) fn around(region: &Bounds<T>) -> Self {
         debug_assert!(region.half_size == [T::ZERO; 2]);
         Self { min: region.min, max: region.max, radius: region.radius }
+    }
+
+    /// The window as a shape.
+    #[inline(always)]
+    pub(super) fn shape(&self) -> Shape<T> {
+        let Self { min, max, radius } = *self;
+        let (half_size, core) = ([T::ZERO; 2], Core::Box);
+        Shape { min, max, half_size, radius, category: u32::MAX, mask: u32::MAX, core }
     }
 
     /// The middle of the window.

@@ -115,6 +115,32 @@ impl Argument<'_> {
         }
     }
 
+    /// Number of line segments.
+    pub fn segments_len(&self) -> PyResult<usize> {
+        match self.array.shape() {
+            [rows, 2, 2] => Ok(*rows),
+            [0] => Ok(0),
+            _ => Err(self.wrong_shape("(n, 2, 2)")),
+        }
+    }
+
+    /// `len` line segments.
+    pub fn segments_of<T: Scalar + Element>(&self, len: usize) -> PyResult<Vec<[[T; 2]; 2]>> {
+        if self.segments_len().ok() == Some(len) {
+            return self.segments();
+        }
+        Err(self.wrong_shape(&format!("({len}, 2, 2)")))
+    }
+
+    /// One line segment, or many.
+    pub fn one_or_segments<T: Scalar + Element>(&self) -> PyResult<Each<[[T; 2]; 2]>> {
+        match self.array.shape() {
+            [2, 2] => Ok(Each::One(self.only(self.real_pairs()?.as_chunks::<2>().0.to_vec())?)),
+            [_, 2, 2] | [0] => Ok(Each::Rows(self.segments()?)),
+            _ => Err(self.wrong_shape("(2, 2) or (k, 2, 2)")),
+        }
+    }
+
     /// Line segments: two points each.
     pub fn segments<T: Scalar + Element>(&self) -> PyResult<Vec<[[T; 2]; 2]>> {
         match self.array.shape() {

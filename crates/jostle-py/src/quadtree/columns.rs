@@ -6,7 +6,7 @@ use numpy::Element;
 use pyo3::prelude::*;
 
 use super::{PyQuadtree, Tree};
-use crate::arrays::{column, table};
+use crate::arrays::{column, segments, table};
 use crate::error::refused;
 use crate::interrupt::detached;
 
@@ -39,7 +39,17 @@ impl PyQuadtree {
     /// They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``.
     #[getter]
     pub(super) fn boxes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_tree!(&self.tree, tree => table_of(py, tree, |shape| shape.core()))
+        with_tree!(&self.tree, tree => table_of(py, tree, |shape| shape.sides()))
+    }
+
+    /// Start and end of the segments: ndarray of the tree's dtype, shape (n, 2, 2), a copy; NaN for
+    /// shapes that are none. With a period their centres are in ``[0, period)``.
+    #[getter]
+    pub(super) fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => {
+            let ends = read(py, tree, |shape| shape.segment().unwrap_or([[Scalar::NAN; 2]; 2]))?;
+            Ok(segments(py, &ends)?.into_any())
+        })
     }
 
     /// Categories: ndarray of uint32, shape (n,), a copy.

@@ -117,9 +117,9 @@ macro_rules! region_methods {
 
             /// Find the shapes that contain a point, or each of many points.
             ///
-            /// A circle or a rounded box contains its edge. A rectangle contains its left and its
-            /// upper edge, but not the right and the lower, as in pygame, so tiles side by side
-            /// share no point. A rectangle of width and height 0 is a circle of radius 0.
+            /// A circle, a rounded box, a segment or a capsule contains its edge. A rectangle contains
+            /// its left and its upper edge, but not the right and the lower, as in pygame, so tiles side
+            /// by side share no point. A rectangle of width and height 0 is a circle of radius 0.
             ///
             /// Parameters
             /// ----------

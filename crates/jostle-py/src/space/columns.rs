@@ -8,7 +8,7 @@ use numpy::{Element, PyArray1};
 use pyo3::prelude::*;
 
 use super::{Either, PySpace, long};
-use crate::arrays::{Argument, bit_sets, column, read_only, reals, table};
+use crate::arrays::{Argument, bit_sets, column, read_only, reals, segments, table};
 use crate::error::refused;
 use crate::ids::{Ids, rows_of_any_shape};
 use crate::lock::Shared;
@@ -47,7 +47,7 @@ impl PySpace {
     #[setter]
     fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         with_space!(self, space => {
-            let positions = Where::read(Some(value), None, None)?;
+            let positions = Where::read([Some(value), None, None, None])?;
             assign(py, space, |len| Ok(moved(positions.rows(len)?)))
         })
     }
@@ -88,14 +88,82 @@ impl PySpace {
     /// its centre as both corners.
     #[getter]
     fn boxes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => table_of(py, space, |shape| shape.core()))
+        with_space!(self, space => table_of(py, space, |shape| shape.sides()))
     }
 
     #[setter]
     fn set_boxes(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         with_space!(self, space => {
-            let boxes = Where::read(None, None, Some(value))?;
+            let boxes = Where::read([None, None, Some(value), None])?;
             assign(py, space, |len| Ok(moved(boxes.rows(len)?)))
+        })
+    }
+
+    /// Start and end of the segments: ndarray of the space's dtype, shape (n, 2, 2), a read-only copy; NaN
+    /// for shapes that are none.
+    ///
+    /// Assign to it to give all shapes segments. NaN is for shapes that are none and stay as they are.
+    /// With a period the middle of a segment is in ``[0, period)``.
+    ///
+    /// See Also
+    /// --------
+    /// jostle.polyline : Segments between consecutive points.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add(segments=jostle.polyline([(0, 0), (2, 0), (2, 4)]))
+    /// >>> space.segments[1]
+    /// array([[2., 0.],
+    ///        [2., 4.]])
+    /// >>> space.set(ids[1], positions=(3, 2))
+    /// >>> space.get(ids[1]).segments
+    /// array([[3., 0.],
+    ///        [3., 4.]])
+    #[getter]
+    fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let ends = all(py, space, |shape| shape.segment().unwrap_or([[Scalar::NAN; 2]; 2]))?;
+            Ok(read_only(segments(py, &ends)?).into_any())
+        })
+    }
+
+    #[setter]
+    fn set_segments(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => {
+            let len = space.lock_attached(py)?.len();
+            let ends = Argument::reals("segments", value)?.segments_of(len)?;
+            long(py, space, |space| space.set_segments(&ends))?.map_err(refused)
+        })
+    }
+
+    /// The sides of the bounding boxes: min_x, min_y, max_x, max_y of each shape with its radius.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of the space's dtype, shape (n, 4)
+    ///     In the order of adding.
+    ///
+    /// See Also
+    /// --------
+    /// boxes : Without the radii.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 4)], radii=1.0)
+    /// >>> space.bounds()
+    /// array([[-1., -1.,  1.,  1.],
+    ///        [ 2.,  3.,  4.,  5.]])
+    fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let of = |shape: Shape<_>| {
+                let ([a, b, c, d], r) = (shape.sides(), shape.radius);
+                [a - r, b - r, c + r, d + r]
+            };
+            Ok(table(py, all(py, space, of)?)?.into_any())
         })
     }
 
@@ -224,6 +292,9 @@ where
     match positions {
         Positions::Centers(all) => {
             ShapeChanges { positions: Some(Each::Rows(all)), ..ShapeChanges::default() }
+        }
+        Positions::Segments(all) => {
+            ShapeChanges { segments: Some(Each::Rows(all)), ..ShapeChanges::default() }
         }
         Positions::Boxes(all) => {
             ShapeChanges { boxes: Some(Each::Rows(all)), ..ShapeChanges::default() }

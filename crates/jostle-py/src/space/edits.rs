@@ -21,7 +21,7 @@ impl PySpace {
     /// Parameters
     /// ----------
     /// positions : array_like, shape (k, 2) or (2,), optional
-    ///     Centres; required unless `boxes` is given.
+    ///     Centres; required unless `boxes` or `segments` are given.
     /// radii : array_like, a number or shape (k,), default 0.0
     ///     Radii.
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
@@ -32,6 +32,10 @@ impl PySpace {
     ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
     ///     x, y, width and height. The four numbers are compared without rounding: boxes that share
     ///     an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded.
+    /// segments : array_like, shape (k, 2, 2) or (2, 2), optional
+    ///     Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
+    ///     capsules with `radii`. Segments that cross overlap; those that share an end do not. With a
+    ///     period the ends are at most one period apart along each axis.
     /// categories : array_like of int, a number or shape (k,), default 1
     ///     Categories of each shape, as a set of 32 bits.
     /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
@@ -50,8 +54,8 @@ impl PySpace {
     /// Raises
     /// ------
     /// TypeError
-    ///     If an argument does not hold numbers, or if not exactly one of `positions` and
-    ///     `boxes` is given.
+    ///     If an argument does not hold numbers, or if not exactly one of `positions`,
+    ///     `boxes` and `segments` is given.
     /// ValueError
     ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
     ///     or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
@@ -71,13 +75,15 @@ impl PySpace {
     /// 2
     /// >>> space.add(boxes=[(0, 3, 0.1, 4), (0.1, 3, 0.2, 4)])
     /// array([3, 4])
+    /// >>> space.add(segments=jostle.polyline([(-1, 1), (6, 1), (6, 9)]))
+    /// array([5, 6])
     #[pyo3(
         signature = (
-            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None,
+            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, segments=None,
             categories=Given::NOTHING, masks=Given::NOTHING,
         ),
         text_signature = "($self, positions=None, radii=0.0, half_sizes=None, *, boxes=None, \
-                          categories=1, masks=0xFFFFFFFF)"
+                          segments=None, categories=1, masks=0xFFFFFFFF)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -87,11 +93,12 @@ impl PySpace {
         radii: Given<'py>,
         half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
+        segments: Maybe<'_, 'py>,
         categories: Given<'py>,
         masks: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => {
-            let (positions, len) = Where::read(positions, half_sizes, boxes)?.one_or_rows()?;
+            let (positions, len) = Where::read([positions, half_sizes, boxes, segments])?.one_or_rows()?;
             let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
             let new = Draft {
                 radii: reals("radii", radii.value(), len.unwrap_or(1))?,
@@ -126,6 +133,8 @@ impl PySpace {
     /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
     ///     In place of `positions` and `half_sizes`, sides min_x, min_y, max_x, max_y of each shape,
     ///     or pygame's Rects, as in :meth:`add`.
+    /// segments : array_like, shape (k, 2, 2), or (2, 2) for one id, optional
+    ///     In place of `positions` and `half_sizes`, start and end of each shape.
     /// categories : array_like of int, a number or shape (k,), optional
     ///     Categories, sets of 32 bits.
     /// masks : array_like of int, a number or shape (k,), optional
@@ -134,8 +143,8 @@ impl PySpace {
     /// Raises
     /// ------
     /// TypeError
-    ///     If an argument does not hold numbers, or `boxes` is given beside `positions` or
-    ///     `half_sizes`.
+    ///     If an argument does not hold numbers, or several of `positions`, `boxes` and
+    ///     `segments` are given, or one of the last two beside `half_sizes`.
     /// ValueError
     ///     If an id does not exist or is given twice, a value is not finite or out of range, or a
     ///     minimum is above its maximum; then nothing changes.
@@ -160,8 +169,8 @@ impl PySpace {
     /// 0
     #[pyo3(
         signature = (
-            ids, *, positions=None, radii=None, half_sizes=None, boxes=None, categories=None,
-            masks=None,
+            ids, *, positions=None, radii=None, half_sizes=None, boxes=None, segments=None,
+            categories=None, masks=None,
         )
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's arguments")]
@@ -173,6 +182,7 @@ impl PySpace {
         radii: Maybe<'_, 'py>,
         half_sizes: Maybe<'_, 'py>,
         boxes: Maybe<'_, 'py>,
+        segments: Maybe<'_, 'py>,
         categories: Maybe<'_, 'py>,
         masks: Maybe<'_, 'py>,
     ) -> PyResult<()> {
@@ -180,8 +190,8 @@ impl PySpace {
             let ids = Ids::read(ids, "shape")?;
             let len = ids.all.len();
             let mut new = ShapeChanges::default();
-            if positions.is_some() || boxes.is_some() {
-                let places = Where::read(positions, half_sizes, boxes)?;
+            if positions.is_some() || boxes.is_some() || segments.is_some() {
+                let places = Where::read([positions, half_sizes, boxes, segments])?;
                 new = moved(if ids.single { places.only() } else { places.rows(len) }?);
             }
             new.radii = reals("radii", radii, len)?;

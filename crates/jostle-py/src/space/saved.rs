@@ -1,6 +1,6 @@
 //! Copies of a space, and its contents for pickle.
 
-use jostle_index::{Period, Scalar};
+use jostle_index::{Core, Period, Scalar};
 use jostle_space::{Saved, Space};
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::{Either, PySpace, is_single, long, shared};
-use crate::arrays::{Argument, Given, column, segments, table};
-use crate::error::refused;
+use crate::arrays::{Argument, Given, column, table};
+use crate::error::{refused, value_error};
 use crate::events::Reduced;
 use crate::interrupt::detached;
 use crate::lock::Shared;
@@ -70,7 +70,7 @@ fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bo
         saved.updates.into_bound_py_any(py)?,
         table(py, saved.rides)?.into_any(),
         table(py, saved.ride_centers)?.into_any(),
-        segments(py, &saved.walls)?.into_any(),
+        column(py, saved.cores.into_iter().map(Core::number).collect()).into_any(),
         saved.calls.into_bound_py_any(py)?,
         column(py, saved.slid).into_any(),
         column(py, saved.moved).into_any(),
@@ -126,11 +126,17 @@ fn restored<T: Scalar + Element>(
         let len = calls.len()?;
         Ok(calls.long_ids("call")?.rows(len))
     };
+    let core = |number| {
+        let rule = "it must be the state of a space, as pickle stores it";
+        Core::of_number(number).ok_or_else(|| value_error("state", "inconsistent", rule))
+    };
+    let cores = list(13)?.into_iter().map(core).collect::<PyResult<Vec<_>>>()?;
     let (moved, moved_since) = (calls(16)?, list(18)?);
     let saved = Saved {
         corners: corners.boxes(count)?,
         radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
         half_sizes: half_sizes.pairs(half_sizes.pairs_len()?)?,
+        cores,
         filters: pairs(3)?,
         generations: list(4)?,
         free: list(5)?,
@@ -141,7 +147,6 @@ fn restored<T: Scalar + Element>(
         updates: item(10)?.extract()?,
         ride_centers: Argument::reals("state", &item(12)?)?.pairs(rides.len())?,
         rides,
-        walls: Argument::reals("state", &item(13)?)?.segments()?,
         calls: item(14)?.extract()?,
         slid: calls(15)?,
         before: Argument::reals("state", &item(17)?)?.pairs(moved.len())?,

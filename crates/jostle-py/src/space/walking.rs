@@ -2,9 +2,8 @@
 
 use pyo3::prelude::*;
 
-use super::{Either, PySpace, long};
-use crate::arrays::{Argument, Given, read_only, segments};
-use crate::error::refused;
+use super::{Either, PySpace};
+use crate::arrays::Given;
 use crate::queries::Maybe;
 use crate::slide;
 
@@ -16,13 +15,13 @@ impl PySpace {
     /// on. The time of impact is computed along the whole path, so nothing passes through an
     /// obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
     /// joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
-    /// boxes, rounded boxes and the line segments of `walls`.
+    /// boxes, line segments and those with a radius.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     The shapes to move, each at most once. A shape that was given as a box, and that moves,
-    ///     is stored as ``center ± half_size`` from then on.
+    ///     The shapes to move, each at most once: circles and boxes, no segments. A shape that was
+    ///     given as a box, and that moves, is stored as ``center ± half_size`` from then on.
     /// displacements : array_like, shape (k, 2), or (2,) for one id
     ///     By how much each is to move: its velocity times the duration of a step.
     /// mask : int, optional
@@ -44,7 +43,8 @@ impl PySpace {
     ///     Whether a shape that walks moves along a floor as far as its displacement leads across
     ///     `up`, uphill and downhill. Otherwise its way depends on the slope and on gravity.
     /// one_way : int, default 0
-    ///     Categories of the obstacles that stop only shapes that are above them and move down.
+    ///     Categories of the obstacles that stop only shapes that are above them and move down. To be
+    ///     above a segment is to be above the line through its ends; one along `up` stops nothing.
     /// max_slides : int, default 4
     ///     Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
     ///     last one.
@@ -60,12 +60,11 @@ impl PySpace {
     ///         The displacements that were given, without their components into the obstacles:
     ///         divided by the duration of the step, the velocities for the next step.
     ///     hits : IdLists
-    ///         Ids of the obstacles that each shape has met, each once; -2 minus its index for a
-    ///         wall.
+    ///         Ids of the obstacles that each shape has met, each once.
     ///     normals : ndarray of the space's dtype, shape (m, 2)
     ///         Unit normal of each hit, towards the shape.
     ///     floor : ndarray of int64, shape (k,)
-    ///         Id of the last floor, as in `hits`; -1 if there is none.
+    ///         Id of the last floor; -1 if there is none.
     ///     platform_velocity : ndarray of the space's dtype, shape (k, 2)
     ///         The displacement of that floor since the last call for the shape; without one, that
     ///         of the floor on which the shape stood before.
@@ -79,13 +78,13 @@ impl PySpace {
     /// TypeError
     ///     If an argument has the wrong type.
     /// ValueError
-    ///     If an id does not exist or is given twice, or a value is not finite or out of range;
-    ///     then nothing moves.
+    ///     If an id does not exist, is given twice or belongs to a segment, or a value is not finite or
+    ///     out of range; then nothing moves.
     ///
     /// See Also
     /// --------
     /// set : Sets positions, also where other shapes are.
-    /// walls : Line segments, for slopes and outlines of polygons.
+    /// jostle.polyline : Line segments, for slopes and outlines of polygons.
     /// tiles : Merges the tiles of a grid into few boxes.
     ///
     /// Notes
@@ -134,6 +133,14 @@ impl PySpace {
     /// >>> slide = space.move_and_slide(player, (1000, 5))
     /// >>> slide.on_floor, slide.on_wall, space.get(player).positions.round(6)
     /// (True, True, array([48.,  6.]))
+    ///
+    /// Another one walks up a slope.
+    ///
+    /// >>> flat, slope = space.add(segments=jostle.polyline([(-40, 50), (0, 50), (40, 20)]))
+    /// >>> walker = space.add((-5, 48), radii=2.0)
+    /// >>> slide = space.move_and_slide(walker, (25, 1))
+    /// >>> slide.on_floor, slide.floor == slope
+    /// (True, True)
     #[pyo3(
         signature = (
             ids, displacements, *, mask=None, up=Given::NOTHING, floor_angle=Given::NOTHING,
@@ -170,51 +177,5 @@ impl PySpace {
             max_slides,
         })?;
         with_space!(self, space => rules.run(py, space, ids, displacements))
-    }
-
-    /// Walls: ndarray of the space's precision, shape (m, 2, 2), a read-only copy of the ends of
-    /// line segments in units of length.
-    ///
-    /// They are obstacles of `move_and_slide`, solid from both sides, and nothing else: pairs and
-    /// queries ignore them, and they have neither ids nor categories. Assign an array of this shape,
-    /// or None for no walls. In the `hits` and `floors` of `move_and_slide` the wall with the index
-    /// k has the number -2 - k.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the shape is wrong, a coordinate is not finite, or the ends of a wall are equal.
-    ///
-    /// See Also
-    /// --------
-    /// jostle.polyline : Walls between consecutive points.
-    /// move_and_slide : Moves shapes along walls.
-    ///
-    /// Examples
-    /// --------
-    /// A character walks up a slope.
-    ///
-    /// >>> import jostle
-    /// >>> space = jostle.Space()
-    /// >>> space.walls = jostle.polyline([(-10, 0), (0, 0), (40, -30)])
-    /// >>> player = space.add((-5, -2), radii=2.0)
-    /// >>> slide = space.move_and_slide(player, (25, 1))
-    /// >>> slide.on_floor, slide.floor
-    /// (True, -3)
-    #[getter]
-    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_space!(self, space => {
-            let walls = long(py, space, |space| space.walls().to_vec())?;
-            Ok(read_only(segments(py, &walls)?).into_any())
-        })
-    }
-
-    #[setter]
-    fn set_walls(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        with_space!(self, space => {
-            let value = value.map(|value| Argument::reals("walls", value)).transpose()?;
-            let ends = value.map_or(Ok(Vec::new()), |value| value.segments())?;
-            long(py, space, |space| space.set_walls(ends))?.map_err(refused)
-        })
     }
 }

@@ -11,7 +11,7 @@ use crate::container::{Container, size};
 use crate::motion::exact;
 use crate::particles::Particles;
 use crate::trajectory::{Impact, Limits, Piece, Vector, dot, vector};
-use jostle_index::geometry::{Bounds, Shape};
+use jostle_index::geometry::{Bounds, Core, Shape};
 use jostle_index::pairs::Path;
 use jostle_index::query::each_overlap;
 use jostle_index::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
@@ -434,6 +434,7 @@ impl Walls {
             radius: margin as f32,
             category: DEFAULT_CATEGORY,
             mask: DEFAULT_MASK,
+            core: Core::Box,
         });
         each_overlap(&self.tree, &bounds, f32::NEG_INFINITY, stack, |index| {
             let image = &self.images[self.tree.rows()[index] as usize];

@@ -425,6 +425,7 @@ impl StepBounds<'_> {
                     radius: circle.radius,
                     category,
                     mask,
+                    core: geometry::Core::Box,
                 });
                 let mut done = Ok(());
                 let mut add = |other: u32, tile: [i32; 2], lasts: bool| {

@@ -87,7 +87,15 @@ pub fn ask<T: Scalar>(space: &mut Space<T>, model: &Model<T>, draw: &mut Draw) {
 }
 
 fn shape_of<T: Scalar>(min: [T; 2], max: [T; 2], radius: T) -> Shape<T> {
-    Shape { min, max, half_size: [T::ZERO; 2], radius, category: 1, mask: 1 }
+    Shape {
+        min,
+        max,
+        half_size: [T::ZERO; 2],
+        radius,
+        category: 1,
+        mask: 1,
+        core: jostle::Core::Box,
+    }
 }
 
 struct Asked<'a, T> {

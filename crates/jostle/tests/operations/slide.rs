@@ -22,7 +22,9 @@ const TOLERANCE: f64 = 1e-6;
 struct SlideCase {
     kept: Space<f64>,
     other: Space<f64>,
+    /// All shapes but the segments.
     model: Model<f64>,
+    segments: Vec<Id>,
     /// Whether something has moved other than by sliding since the last call: then it may push.
     is_pushed: bool,
 }
@@ -34,7 +36,7 @@ impl Case for SlideCase {
             [0, 1].map(|_| Space::with_period(draw_settings(draw), model.period).expect("valid"));
         draw.say("new", model.period);
         let [kept, other] = spaces;
-        let mut case = Self { kept, other, model, is_pushed: false };
+        let mut case = Self { kept, other, model, segments: Vec::new(), is_pushed: false };
         (0..3).for_each(|_| case.add(draw));
         case
     }
@@ -44,7 +46,7 @@ impl Case for SlideCase {
             0 => self.add(draw),
             1 => self.move_to(draw),
             2 => self.remove(draw),
-            3 => self.set_walls(draw),
+            3 => self.replace_segments(draw),
             4 => self.refuse(draw),
             5..7 => self.restore(draw),
             _ => self.slide(draw),
@@ -99,17 +101,20 @@ impl SlideCase {
         self.model.remove(&ids);
     }
 
-    fn set_walls(&mut self, draw: &mut Draw) {
+    fn replace_segments(&mut self, draw: &mut Draw) {
         // Of different lengths, with common ends.
-        let walls = draw.some(4, |draw| {
+        let segments: Vec<[[f64; 2]; 2]> = draw.some(4, |draw| {
             let at = [draw.below(8) as f64, draw.below(6) as f64];
             [at, [0, 1].map(|k| at[k] + [2.0, draw.pick(&[0.0, 1.0, -0.5])][k])]
         });
-        draw.say("set_walls", &walls);
-        for space in [&mut self.kept, &mut self.other] {
-            space.set_walls(walls.clone()).expect("valid");
-            assert_eq!(space.walls(), walls);
-        }
+        draw.say("replace_segments", &segments);
+        let shapes = Shapes::from_segments(&segments, Each::One(0.0), None).expect("valid");
+        let ids = [&mut self.kept, &mut self.other].map(|space| {
+            space.remove(&self.segments).expect("they are there");
+            space.add(&shapes).expect("there is room")
+        });
+        assert_eq!(ids[0], ids[1]);
+        [self.segments, _] = ids;
     }
 
     fn refuse(&mut self, draw: &mut Draw) {
@@ -120,10 +125,9 @@ impl SlideCase {
         );
         let bad = draw.wrong();
         for space in [&mut self.kept, &mut self.other] {
-            let before = space.walls().to_vec();
-            assert!(space.set_walls(vec![[[0.0; 2], [bad, 0.0]]]).is_err());
-            assert!(space.set_walls(vec![[[1.0; 2]; 2]]).is_err());
-            assert_eq!(space.walls(), before);
+            for &segment in &self.segments {
+                assert!(space.move_and_slide(&[segment], &[[0.0; 2]], &rules).is_err());
+            }
             assert!(space.move_and_slide(&[-5], &[[0.0; 2]], &rules).is_err());
             assert!(space.move_and_slide(&ids, &vec![[0.0; 2]; ids.len() + 1], &rules).is_err());
             if let Some(&id) = ids.first() {
@@ -174,9 +178,8 @@ impl SlideCase {
         for (row, id) in ids.iter().enumerate() {
             let hits = &found.ids[found.offsets[row]..found.offsets[row + 1]];
             for hit in hits {
-                let is_wall = (-1 - self.kept.walls().len() as Id..-1).contains(hit);
                 assert!(
-                    is_wall
+                    self.segments.contains(hit)
                         || self
                             .model
                             .shapes
@@ -191,8 +194,8 @@ impl SlideCase {
                         || !overlap(&before[id], shape, &period)
                 })
             };
-            let has_walls = !self.kept.walls().is_empty();
-            if !self.is_pushed && !has_walls && ids.len() == 1 && one_way == 0 && is_free(id) {
+            let are_boxes = self.segments.is_empty();
+            if !self.is_pushed && are_boxes && ids.len() == 1 && one_way == 0 && is_free(id) {
                 self.check_path(&found, displacements[row], &before[id], (*id, mask));
             }
         }

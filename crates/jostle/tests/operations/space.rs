@@ -269,7 +269,7 @@ fn find_pairs_of_tree<T: Scalar>(draw: &mut Draw) {
     let (shapes, period) = (draw_shapes::<T>(draw, 24), Model::<T>::new(draw).period);
     let settings = draw_settings(draw);
     draw.say("pairs of", (&shapes, period, settings));
-    let shapes = shapes.in_period(period);
+    let shapes = shapes.in_period(period).expect("valid");
     let rows: Vec<(Id, Shape<T>)> =
         (0..).zip((0..shapes.len()).map(|row| shapes.shape(row))).collect();
     let expected =
