@@ -122,8 +122,11 @@ fn belt() -> World {
     let settings = WorldSettings { container, gravity, track_events, ..Default::default() };
     let mut belt = moving([[1.4, 1.4], [6.0, 1.4]], [4.0, 1.0]);
     belt.surface.restitution = Some(1.0);
+    // Of the categories of all discs, which walls stop.
+    let filter = Filter { category: 5, ..Filter::default() };
+    belt.filter = filter;
     let surface = Surface { restitution: Some(0.25), friction: Some(0.8) };
-    let slope = Wall { surface, ..Wall::new([[10.0, 13.6], [20.0, 14.0]]) };
+    let slope = Wall { surface, filter, ..Wall::new([[10.0, 13.6], [20.0, 14.0]]) };
     let mut world = walled(all, vec![belt, slope], settings);
     let spring = |pair| Spring {
         pair,
