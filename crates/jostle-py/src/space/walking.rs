@@ -139,7 +139,7 @@ impl PySpace {
     /// >>> flat, slope = space.add(segments=jostle.polyline([(-40, 50), (0, 50), (40, 20)]))
     /// >>> walker = space.add((-5, 48), radii=2.0)
     /// >>> slide = space.move_and_slide(walker, (25, 1))
-    /// >>> slide.on_floor, slide.floor == slope
+    /// >>> slide.on_floor, bool(slide.floor == slope)
     /// (True, True)
     #[pyo3(
         signature = (
