@@ -24,6 +24,8 @@
     What a world says about its last step.
 `Particle`, `Particles`, `Wall`, `WallColumns`
     Copies of some particles and walls.
+`IdError`
+    Nothing has an id that was given.
 """
 
 from jostle import life, scenes
@@ -48,6 +50,7 @@ from jostle._core import (
     find_pairs,
     separate,
 )
+from jostle.errors import IdError
 from jostle.results import (
     Contacts,
     IdLists,
@@ -84,6 +87,7 @@ __all__ = [
     "Events",
     "Flocking",
     "Gravitation",
+    "IdError",
     "IdLists",
     "LastCall",
     "LastStep",

@@ -1933,9 +1933,11 @@ class Space(_Queries):
         ------
         TypeError
             If an argument has the wrong type.
+        IdError
+            If an id does not exist; then nothing moves.
         ValueError
-            If an id does not exist, is given twice or belongs to a segment, or a value is not finite or
-            out of range; then nothing moves.
+            If an id is given twice or belongs to a segment, or a value is not finite or out of range;
+            then nothing moves.
 
         See Also
         --------
@@ -2046,7 +2048,7 @@ class Space(_Queries):
         ------
         TypeError
             If `ids` does not hold integers.
-        ValueError
+        IdError
             If an id does not exist.
 
         See Also
@@ -2113,9 +2115,11 @@ class Space(_Queries):
         TypeError
             If an argument does not hold numbers, or several of `positions`, `boxes` and
             `segments` are given, or one of the last two beside `half_sizes`.
+        IdError
+            If an id does not exist; then nothing changes.
         ValueError
-            If an id does not exist or is given twice, a value is not finite or out of range, or a
-            minimum is above its maximum; then nothing changes.
+            If an id is given twice, a value is not finite or out of range, or a minimum is above its
+            maximum; then nothing changes.
 
         See Also
         --------
@@ -2154,7 +2158,7 @@ class Space(_Queries):
         ------
         TypeError
             If `ids` does not hold integers.
-        ValueError
+        IdError
             If an id does not exist.
 
         See Also
@@ -2301,8 +2305,10 @@ class Space(_Queries):
         ------
         TypeError
             If `ids` does not hold integers.
+        IdError
+            If an id does not exist; then none is removed.
         ValueError
-            If an id does not exist or is given twice; then none is removed.
+            If an id is given twice; then none is removed.
 
         See Also
         --------
@@ -2957,8 +2963,10 @@ class World:
 
         Raises
         ------
+        IdError
+            If an id does not exist; then none is removed.
         ValueError
-            If an id does not exist or is given twice; then none is removed.
+            If an id is given twice; then none is removed.
 
         See Also
         --------
@@ -3019,9 +3027,10 @@ class World:
 
         Raises
         ------
+        IdError
+            If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            As for a new world, or if an id does not exist or is given twice; then nothing
-            is changed.
+            As for a new world, or if an id is given twice; then nothing is changed.
 
         See Also
         --------
@@ -3052,9 +3061,10 @@ class World:
 
         Raises
         ------
+        IdError
+            If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            If an id does not exist, a shape is wrong, or a number is not finite or too large; then
-            nothing is changed.
+            If a shape is wrong, or a number is not finite or too large; then nothing is changed.
 
         See Also
         --------
@@ -3129,7 +3139,7 @@ class World:
     @overload
     def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
     @overload
-    def read(self, ids: _Id) -> Particle:
+    def get(self, ids: _Id) -> Particle:
         """Read all columns of one particle or some, without those of the others.
 
         Parameters
@@ -3150,7 +3160,7 @@ class World:
         ------
         TypeError
             If `ids` does not hold integers.
-        ValueError
+        IdError
             If no particle has an id.
 
         See Also
@@ -3162,21 +3172,21 @@ class World:
         --------
         >>> import jostle
         >>> world = jostle.World([(0, 0), (5, 0)], [1.0, 0.5], velocities=[(0, 0), (2, 1)])
-        >>> world.read(1).velocities, world.read(1).masses
+        >>> world.get(1).velocities, world.get(1).masses
         (array([2., 1.], dtype=float32), 0.25)
-        >>> world.read([1, 0]).radii
+        >>> world.get([1, 0]).radii
         array([0.5, 1. ], dtype=float32)
 
         A copy of particle 1, in another place:
 
-        >>> copy = world.read(1).to_dict() | {"positions": (9, 0)}
+        >>> copy = world.get(1).to_dict() | {"positions": (9, 0)}
         >>> world.add(**copy)
         2
         """
     @overload
-    def read(self, ids: _IdList) -> Particles: ...
+    def get(self, ids: _IdList) -> Particles: ...
     @overload
-    def read(self, ids: _Undecided) -> Particle | Particles | Any: ...
+    def get(self, ids: _Undecided) -> Particle | Particles | Any: ...
     @property
     def positions(self) -> NDArray[np.float32]:
         """Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
@@ -4110,8 +4120,10 @@ class Walls:
 
         Raises
         ------
+        IdError
+            If an id does not exist; then none is removed.
         ValueError
-            If an id does not exist or is given twice; then none is removed.
+            If an id is given twice; then none is removed.
 
         Examples
         --------
@@ -4154,8 +4166,10 @@ class Walls:
 
         Raises
         ------
+        IdError
+            If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            As by `add`, or if an id does not exist or is given twice; then nothing is changed.
+            As by `add`, or if an id is given twice; then nothing is changed.
 
         Examples
         --------
@@ -4184,7 +4198,7 @@ class Walls:
         ------
         TypeError
             If `ids` does not hold integers.
-        ValueError
+        IdError
             If no wall has an id.
 
         Examples
@@ -4219,7 +4233,7 @@ class Walls:
         ------
         TypeError
             If `ids` does not hold integers.
-        ValueError
+        IdError
             If no wall has an id.
 
         Examples

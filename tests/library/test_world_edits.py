@@ -1,4 +1,4 @@
-"""`World.read` and `World.set`: some particles, against a model of whole columns."""
+"""`World.get` and `World.set`: some particles, against a model of whole columns."""
 
 from typing import Any
 
@@ -56,7 +56,7 @@ def test_some_sleep_in_the_world_of_these_tests() -> None:
 @given(st.lists(st.integers(0, 28), max_size=12))
 def test_read_gives_rows_of_all_columns(rows: list[int]) -> None:
     world = jostle.World.restore(WORLD)
-    found = world.read(world.ids[rows])
+    found = world.get(world.ids[rows])
     assert isinstance(found, jostle.Particles)
     for name, column in columns(world).items():
         read = getattr(found, name)
@@ -67,7 +67,7 @@ def test_read_gives_rows_of_all_columns(rows: list[int]) -> None:
 @pytest.mark.parametrize("row", [0, 8, 28])
 def test_read_of_one_id_gives_single_values(row: int) -> None:
     world = jostle.World.restore(WORLD)
-    one = world.read(int(world.ids[row]))
+    one = world.get(int(world.ids[row]))
     assert isinstance(one, jostle.Particle)
     for name, column in columns(world).items():
         value: Any = getattr(one, name)
@@ -77,33 +77,33 @@ def test_read_of_one_id_gives_single_values(row: int) -> None:
 
 def test_what_is_read_can_be_added_and_set() -> None:
     world = jostle.World.restore(WORLD)
-    one = world.read(5).to_dict() | {"positions": (7, 20)}
+    one = world.get(5).to_dict() | {"positions": (7, 20)}
     copy = world.add(**one)
-    for name, value in world.read(copy).to_dict().items():
+    for name, value in world.get(copy).to_dict().items():
         np.testing.assert_array_equal(value, one[name], err_msg=name)
-    some = world.read([3, 6])
+    some = world.get([3, 6])
     world.set([6, 3], **some.to_dict())
-    assert world.read([6, 3]) == some
+    assert world.get([6, 3]) == some
 
 
 def test_kinds_are_read_added_and_set() -> None:
     force = jostle.PairForce([0, 2, 1], np.zeros((3, 3, 2)), 5.0)
     world = jostle.World([(0, 0), (9, 0), (18, 0)], 1.0, forces=[force])
     world.remove(0)
-    assert world.read([2, 1]).kinds.tolist() == [1, 2] and world.read(1).kinds == 2
-    assert type(world.read(1).kinds) is int and world.read([]).kinds.dtype == np.uint8
-    copy = world.add(**world.read(1).to_dict() | {"positions": (30, 0)})
-    assert world.read(copy).kinds == 2
+    assert world.get([2, 1]).kinds.tolist() == [1, 2] and world.get(1).kinds == 2
+    assert type(world.get(1).kinds) is int and world.get([]).kinds.dtype == np.uint8
+    copy = world.add(**world.get(1).to_dict() | {"positions": (30, 0)})
+    assert world.get(copy).kinds == 2
     world.set([copy, 1], kinds=[1, 0], masses=2.0)
     assert world.forces[0].kinds.tolist() == [0, 1, 1]
     world.set(1, kinds=1)
     with pytest.raises(ValueError, match="kinds is 3; the table has 3 kinds, from 0 to 2"):
         world.set(1, kinds=3, masses=5.0)
-    assert world.read(1).masses == 2 and world.read(1).kinds == 1
+    assert world.get(1).masses == 2 and world.get(1).kinds == 1
     plain = jostle.World.restore(WORLD)
-    assert plain.read(5).kinds == 0
+    assert plain.get(5).kinds == 0
     plain.set(5, kinds=63)
-    assert plain.read([5, 8]).kinds.tolist() == [63, 0]
+    assert plain.get([5, 8]).kinds.tolist() == [63, 0]
     with pytest.raises(ValueError, match="kinds is 64; it must be a kind, between 0 and 63"):
         plain.set(5, kinds=64)
 
@@ -113,11 +113,11 @@ def test_kinds_belong_to_particles() -> None:
     world.set([0, 1], kinds=[2, 0])
     pairs = [jostle.PairForce([1, 2], np.zeros((3, 3, 2)), 5.0 + k) for k in range(2)]
     world.forces = [*pairs, jostle.Thermostat(1.0, 0.5)]
-    assert world.read([0, 1]).kinds.tolist() == [1, 2]
+    assert world.get([0, 1]).kinds.tolist() == [1, 2]
     world.set(1, kinds=0)
     assert [force.kinds.tolist() for force in world.forces[:2]] == [[1, 0]] * 2
     world.forces = world.forces
-    assert world.read([0, 1]).kinds.tolist() == [1, 0]
+    assert world.get([0, 1]).kinds.tolist() == [1, 0]
     before = world.forces
     for forces, words in [
         (
@@ -134,17 +134,17 @@ def test_kinds_belong_to_particles() -> None:
         assert str(error.value) == words
         assert world.forces == before
     world.forces = []
-    assert world.read([0, 1]).kinds.tolist() == [1, 0]
+    assert world.get([0, 1]).kinds.tolist() == [1, 0]
 
 
 def test_ids_that_no_particle_has_are_refused() -> None:
     world = jostle.World.restore(WORLD)
     with pytest.raises(ValueError, match=r"ids\[1\] is 17; no particle has this id any more"):
-        world.read([3, 17])
+        world.get([3, 17])
     with pytest.raises(ValueError, match="ids is 99; no particle has this id"):
-        world.read(99)
+        world.get(99)
     with pytest.raises(TypeError, match="ids"):
-        world.read(0.5)
+        world.get(0.5)
     before = world.snapshot()
     with pytest.raises(ValueError, match=r"ids\[3\] is 8; it is given twice"):
         world.set([8, 3, 5, 8, 3], masses=1.0)

@@ -25,6 +25,17 @@ pub enum Error {
         /// The rule for valid values.
         rule: String,
     },
+    /// Nothing has an id that was given.
+    MissingId {
+        /// Name of the argument in the public API.
+        argument: &'static str,
+        /// Row of the id if the argument has rows.
+        index: Option<usize>,
+        /// The id, or what refers to it, as text.
+        value: String,
+        /// What has no such id.
+        rule: String,
+    },
     /// One entry of an array with several axes breaks the rule of its argument.
     Entry {
         /// Name of the argument in the public API.
@@ -91,6 +102,21 @@ impl Error {
         Self::Value { argument, index: Some(index), value: printed(value), rule: rule.to_string() }
     }
 
+    /// An error about the id at `index` of `argument`, which nothing has.
+    pub fn missing(
+        argument: &'static str,
+        index: usize,
+        value: impl fmt::Display,
+        rule: &str,
+    ) -> Self {
+        Self::MissingId {
+            argument,
+            index: Some(index),
+            value: printed(value),
+            rule: rule.to_string(),
+        }
+    }
+
     /// An error about an entry of `argument`, whose entries are in row-major order; `shape` is that
     /// of the axes but the first.
     pub fn in_array(
@@ -126,6 +152,9 @@ impl Error {
             Self::Value { argument, value, rule, .. }
             | Self::Entry { argument, value, rule, .. } => {
                 Self::Value { argument, index: None, value, rule }
+            }
+            Self::MissingId { argument, value, rule, .. } => {
+                Self::MissingId { argument, index: None, value, rule }
             }
             other => other,
         }
@@ -163,10 +192,12 @@ impl fmt::Display for Error {
             Self::NoMemory { bytes } => {
                 write!(f, "not enough memory: {} could not be allocated", Size(*bytes))
             }
-            Self::Value { argument, index: Some(index), value, rule } => {
+            Self::Value { argument, index: Some(index), value, rule }
+            | Self::MissingId { argument, index: Some(index), value, rule } => {
                 write!(f, "{argument}[{index}] is {value}; {rule}")
             }
-            Self::Value { argument, index: None, value, rule } => {
+            Self::Value { argument, index: None, value, rule }
+            | Self::MissingId { argument, index: None, value, rule } => {
                 write!(f, "{argument} is {value}; {rule}")
             }
             Self::Entry { argument, indices, value, rule } => {

@@ -1,5 +1,5 @@
-//! Python exceptions: TypeError for a wrong type, ValueError for a wrong value, both with messages
-//! that begin with the argument, and MemoryError for a failed allocation.
+//! Python exceptions: TypeError for a wrong type, ValueError for a wrong value, IdError for an id that nothing has, with
+//! messages that begin with the argument, and MemoryError for a failed allocation.
 
 use std::fmt::Display;
 
@@ -18,8 +18,19 @@ pub fn refused(error: Error) -> PyErr {
         // Usually the exception of a signal handler is raised instead, see `interrupt`.
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
         Error::OtherRank { .. } => RankError::new_err(error.to_string()),
+        Error::MissingId { .. } => missing_id(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
     }
+}
+
+/// The exception for an id that nothing has. Its class is Python's: one made here can have only one base.
+pub fn missing_id(message: String) -> PyErr {
+    Python::attach(|py| {
+        let raised = py.import("jostle.errors").and_then(|module| module.getattr("IdError"));
+        raised
+            .and_then(|class| class.call1((message,)))
+            .map_or_else(|error| error, PyErr::from_value)
+    })
 }
 
 /// The exception for a value of the right type that violates a rule.

@@ -174,7 +174,7 @@ impl<T: Scalar> Slots<T> {
         let mut slots = memory::with_capacity(ids.len())?;
         for (index, &id) in ids.iter().enumerate() {
             let Some(slot) = self.slot(id) else {
-                return Err(Error::at("ids", index, id, self.why_unknown(id)));
+                return Err(Error::missing("ids", index, id, self.why_unknown(id)));
             };
             // Of two values for one shape in a call none is the right one.
             if std::mem::replace(&mut self.last_call[slot as usize], self.call) == self.call {
@@ -190,7 +190,7 @@ impl<T: Scalar> Slots<T> {
         let mut slots = memory::with_capacity(ids.len())?;
         for (index, &id) in ids.iter().enumerate() {
             let slot = self.slot(id);
-            slots.push(slot.ok_or_else(|| Error::at("ids", index, id, self.why_unknown(id)))?);
+            slots.push(slot.ok_or_else(|| Error::missing("ids", index, id, self.why_unknown(id)))?);
         }
         Ok(slots)
     }

@@ -351,7 +351,7 @@ class Simulation:
         rows, _ = self._columns.find(tag)
         if not len(rows) or not self._columns.movable[rows[0]]:
             return
-        dt, disc = self.time_step, self.world.read(tag)
+        dt, disc = self.time_step, self.world.get(tag)
         share = self._columns.usual_mass(self.world) / disc.masses
         rate = DRAG_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
         offset = minimum_image(container_of(self.world), np.array(point) - disc.positions)

@@ -8,6 +8,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
+from jostle.errors import IdError
+
 from .exchange import first_id, joined, passed_on, raise_together, together
 
 #: A radius that fits into every container.
@@ -56,7 +58,7 @@ def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> No
         zeros = np.zeros((len(own), 2))
         trial.add(zeros, _SMALL, masses=1.0)
         trial.set(np.arange(len(own)), **columns)
-        new = trial.read(np.arange(len(own)))
+        new = trial.get(np.arange(len(own)))
     if len(set(comm.allgather(tuple(given)))) > 1:
         raise ValueError(f"the columns are not the same on all ranks: here they are {given}")
     values = {name: np.asarray(getattr(new, name)) for name in given}
@@ -142,7 +144,7 @@ def _check(
     different, counts = np.unique(ids, return_counts=True)
     error = None
     if not found.all():
-        error = ValueError(f"ids contain {ids[~found][0]}; no particle has this id")
+        error = IdError(f"ids contain {ids[~found][0]}; no particle has this id")
     elif (counts > 1).any() and not may_repeat:
-        error = ValueError(f"ids contain {different[counts > 1][0]} twice")
+        error = IdError(f"ids contain {different[counts > 1][0]} twice")
     raise_together(comm, error)

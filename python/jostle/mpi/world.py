@@ -316,7 +316,7 @@ class World:
 
         Raises
         ------
-        TypeError, ValueError
+        IdError, TypeError, ValueError
             As by `jostle.World.remove`; then none is removed on any rank.
         RankError
             If another rank raises one of these.
@@ -341,7 +341,7 @@ class World:
 
         Raises
         ------
-        TypeError, ValueError
+        IdError, TypeError, ValueError
             As by `jostle.World.set`, or if the columns are not the same on all ranks; then nothing
             changes on any rank.
         RankError
@@ -367,7 +367,7 @@ class World:
 
         Raises
         ------
-        TypeError, ValueError
+        IdError, TypeError, ValueError
             As by `jostle.World.force`; then nothing changes on any rank.
         RankError
             If another rank raises one of these.

@@ -254,7 +254,7 @@ class Particles(Result):
 
     See Also
     --------
-    jostle.World.read : Returns it.
+    jostle.World.get : Returns it.
     Particle : The same of one particle.
     """
 
@@ -311,7 +311,7 @@ class Particle(Result):
 
     See Also
     --------
-    jostle.World.read : Returns it.
+    jostle.World.get : Returns it.
     Particles : The same of many particles.
     """
 

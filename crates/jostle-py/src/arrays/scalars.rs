@@ -4,12 +4,12 @@ use std::fmt::Display;
 
 use jostle_index::Each;
 use numpy::PyUntypedArrayMethods;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt};
 
 use super::{Argument, Given};
-use crate::error::{type_error, value_error};
+use crate::error::{missing_id, type_error, value_error};
 
 /// One bit set.
 pub fn single_mask(name: &'static str, value: &Bound<'_, PyAny>) -> PyResult<u32> {
@@ -38,7 +38,7 @@ pub fn long_ids(name: &'static str, value: &Bound<'_, PyAny>, of: &str) -> PyRes
 
 /// The error for an integer that is too large for an id.
 pub fn too_long_id(name: &str, id: impl Display, of: &str) -> PyErr {
-    PyValueError::new_err(format!("{name} is {id}; no {of} has this id"))
+    missing_id(format!("{name} is {id}; no {of} has this id"))
 }
 
 /// Two real numbers.

@@ -222,7 +222,7 @@ impl PySpace {
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
-    /// ValueError
+    /// IdError
     ///     If an id does not exist.
     ///
     /// See Also
@@ -259,7 +259,7 @@ impl PySpace {
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
-    /// ValueError
+    /// IdError
     ///     If an id does not exist.
     ///
     /// See Also

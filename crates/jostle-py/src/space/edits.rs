@@ -145,9 +145,11 @@ impl PySpace {
     /// TypeError
     ///     If an argument does not hold numbers, or several of `positions`, `boxes` and
     ///     `segments` are given, or one of the last two beside `half_sizes`.
+    /// IdError
+    ///     If an id does not exist; then nothing changes.
     /// ValueError
-    ///     If an id does not exist or is given twice, a value is not finite or out of range, or a
-    ///     minimum is above its maximum; then nothing changes.
+    ///     If an id is given twice, a value is not finite or out of range, or a minimum is above its
+    ///     maximum; then nothing changes.
     ///
     /// See Also
     /// --------
@@ -215,8 +217,10 @@ impl PySpace {
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
+    /// IdError
+    ///     If an id does not exist; then none is removed.
     /// ValueError
-    ///     If an id does not exist or is given twice; then none is removed.
+    ///     If an id is given twice; then none is removed.
     ///
     /// See Also
     /// --------

@@ -77,9 +77,11 @@ impl PySpace {
     /// ------
     /// TypeError
     ///     If an argument has the wrong type.
+    /// IdError
+    ///     If an id does not exist; then nothing moves.
     /// ValueError
-    ///     If an id does not exist, is given twice or belongs to a segment, or a value is not finite or
-    ///     out of range; then nothing moves.
+    ///     If an id is given twice or belongs to a segment, or a value is not finite or out of range;
+    ///     then nothing moves.
     ///
     /// See Also
     /// --------

@@ -110,8 +110,10 @@ impl PyWorld {
     ///
     /// Raises
     /// ------
+    /// IdError
+    ///     If an id does not exist; then none is removed.
     /// ValueError
-    ///     If an id does not exist or is given twice; then none is removed.
+    ///     If an id is given twice; then none is removed.
     ///
     /// See Also
     /// --------
@@ -158,9 +160,10 @@ impl PyWorld {
     ///
     /// Raises
     /// ------
+    /// IdError
+    ///     If an id does not exist; then nothing is changed.
     /// TypeError, ValueError
-    ///     As for a new world, or if an id does not exist or is given twice; then nothing
-    ///     is changed.
+    ///     As for a new world, or if an id is given twice; then nothing is changed.
     ///
     /// See Also
     /// --------
@@ -217,7 +220,7 @@ impl PyWorld {
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
-    /// ValueError
+    /// IdError
     ///     If no particle has an id.
     ///
     /// See Also
@@ -229,17 +232,17 @@ impl PyWorld {
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World([(0, 0), (5, 0)], [1.0, 0.5], velocities=[(0, 0), (2, 1)])
-    /// >>> world.read(1).velocities, world.read(1).masses
+    /// >>> world.get(1).velocities, world.get(1).masses
     /// (array([2., 1.], dtype=float32), 0.25)
-    /// >>> world.read([1, 0]).radii
+    /// >>> world.get([1, 0]).radii
     /// array([0.5, 1. ], dtype=float32)
     ///
     /// A copy of particle 1, in another place:
     ///
-    /// >>> copy = world.read(1).to_dict() | {"positions": (9, 0)}
+    /// >>> copy = world.get(1).to_dict() | {"positions": (9, 0)}
     /// >>> world.add(**copy)
     /// 2
-    fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    fn get<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;
         let copy = ids.result_of(self.long(py, |state| state.world.read(&ids.all))?)?;
         results::world_particles(py, copy, ids.single)

@@ -27,9 +27,10 @@ impl PyWorld {
     ///
     /// Raises
     /// ------
+    /// IdError
+    ///     If an id does not exist; then nothing is changed.
     /// TypeError, ValueError
-    ///     If an id does not exist, a shape is wrong, or a number is not finite or too large; then
-    ///     nothing is changed.
+    ///     If a shape is wrong, or a number is not finite or too large; then nothing is changed.
     ///
     /// See Also
     /// --------

@@ -208,7 +208,9 @@ impl PyWorld {
 /// An error about a file of a world.
 fn in_file(path: &Path, error: &Error) -> PyErr {
     let found = match error {
-        Error::Value { value, rule, .. } => format!("{value}; {rule}"),
+        Error::Value { value, rule, .. } | Error::MissingId { value, rule, .. } => {
+            format!("{value}; {rule}")
+        }
         other => other.to_string(),
     };
     PyValueError::new_err(format!("{} holds {found}", path.display()))

@@ -156,8 +156,10 @@ impl PyWalls {
     ///
     /// Raises
     /// ------
+    /// IdError
+    ///     If an id does not exist; then none is removed.
     /// ValueError
-    ///     If an id does not exist or is given twice; then none is removed.
+    ///     If an id is given twice; then none is removed.
     ///
     /// Examples
     /// --------
@@ -192,8 +194,10 @@ impl PyWalls {
     ///
     /// Raises
     /// ------
+    /// IdError
+    ///     If an id does not exist; then nothing is changed.
     /// TypeError, ValueError
-    ///     As by `add`, or if an id does not exist or is given twice; then nothing is changed.
+    ///     As by `add`, or if an id is given twice; then nothing is changed.
     ///
     /// Examples
     /// --------
@@ -241,7 +245,7 @@ impl PyWalls {
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
-    /// ValueError
+    /// IdError
     ///     If no wall has an id.
     ///
     /// Examples
@@ -278,7 +282,7 @@ impl PyWalls {
     /// ------
     /// TypeError
     ///     If `ids` does not hold integers.
-    /// ValueError
+    /// IdError
     ///     If no wall has an id.
     ///
     /// Examples

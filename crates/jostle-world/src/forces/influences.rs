@@ -282,7 +282,8 @@ impl Influences {
                 }
             });
             if let Some(id) = unknown {
-                return refuse(&format!("a force on particle {id}"), "no particle has this id");
+                let value = format!("a force on particle {id}");
+                return Err(Error::missing("forces", index, value, "no particle has this id"));
             }
             match influence.role() {
                 Role::Thermostat(_) => thermostats += 1,
@@ -360,7 +361,7 @@ impl Influences {
             });
             if let Some(wall) = unknown {
                 let value = format!("{} of wall {wall}", influence.noun());
-                return Err(Error::at("forces", index, value, "no wall has this id"));
+                return Err(Error::missing("forces", index, value, "no wall has this id"));
             }
         }
         Ok(())

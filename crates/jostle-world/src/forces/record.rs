@@ -27,7 +27,9 @@ impl WallIds {
     /// Refuses ids that no wall can have, and ids given twice.
     pub fn validate(&self) -> Result<()> {
         match self.0.iter().position(|&wall| wall < 0) {
-            Some(index) => Err(Error::at("walls", index, self.0[index], "no wall has this id")),
+            Some(index) => {
+                Err(Error::missing("walls", index, self.0[index], "no wall has this id"))
+            }
             None => check_distinct("walls", &self.0),
         }
     }

@@ -160,7 +160,7 @@ impl Ids {
         } else {
             format!("no {noun} has this id; ids are below {}", self.next)
         };
-        Error::at("ids", index, id, &rule)
+        Error::missing("ids", index, id, &rule)
     }
 }
 
