@@ -1,4 +1,4 @@
-"""Line of sight from the mouse: rays in all directions, and the distance of each hit."""
+"""Line of sight from the mouse, also in mirrors: each ray goes on from the mirror that it hits."""
 
 import numpy as np
 import pygame
@@ -6,35 +6,35 @@ import pygame
 import jostle
 import show
 
-rng = np.random.default_rng(12)
-centers = np.array([(x, y) for x in range(45, 800, 79) for y in range(45, 500, 82)], float)
-n = len(centers)
-centers += rng.integers(-18, 19, (n, 2))
-half_sizes = rng.integers(6, 22, (n, 2)) * rng.integers(0, 2, (n, 1))  # the others are circles
-radii = np.where(half_sizes[:, 0] > 0, 0, rng.integers(7, 18, n))
-tree = jostle.Quadtree(centers, radii, half_sizes)
-
-angles = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
-directions = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-REACH = 380
-fade = np.clip(1 - np.hypot(*np.mgrid[-REACH:REACH, -REACH:REACH]) / REACH, 0, 1) ** 1.6
-glow = pygame.surfarray.make_surface((fade[:, :, None] * (110, 95, 62)).astype(np.uint8))
+pillars = [(120, 130), (290, 215), (430, 90), (640, 180), (420, 420), (660, 420), (200, 390)]
+lines = [[(40, 430), (170, 470)], [(240, 40), (380, 20)], [(770, 170), (720, 320)]]
+lines += [[(20, 210), (50, 320)], [(520, 480), (600, 470)], [(560, 60), (590, 20)]]
+space = jostle.Space()
+space.add(boxes=[(-9, -9, 809, 0), (-9, 500, 809, 509), (-9, 0, 0, 500), (800, 0, 809, 500)])
+space.add(pillars, 20.0)
+mirrors = space.add(segments=lines)
+turns = np.linspace(0, 2 * np.pi, 2001)
+fade = np.clip(1 - np.hypot(*np.mgrid[-800:800, -500:500]) / 800, 0, 1)[:, :, None] ** 1.6
+glow = pygame.surfarray.make_surface((fade * (92, 80, 54)).astype(np.uint8))
 
 for screen in show.frames("Line of sight"):
-    eye = np.array(pygame.mouse.get_pos())
-    hits = tree.raycast(eye, directions, max_distance=REACH)  # no hit: id -1, distance inf
-    seen = np.isin(np.arange(n), hits.ids)
-    ends = eye + directions * np.minimum(hits.distances, REACH)[:, None]
-
-    light = pygame.Surface(show.SIZE)
-    pygame.draw.polygon(
-        light, "white", eye + directions * np.minimum(hits.distances, REACH)[:, None]
-    )
-    light.blit(glow, eye - REACH, special_flags=pygame.BLEND_MULT)
-    screen.blit(light, (0, 0), special_flags=pygame.BLEND_ADD)
-    for center, radius, half, lit in zip(centers, radii, half_sizes, seen):
-        color = show.TEAL if lit else show.DIM
-        pygame.draw.rect(screen, color, (*(center - half), *(2 * half)))
-        pygame.draw.aacircle(screen, color, center, radius)
+    eye = np.array(pygame.mouse.get_pos(), float)
+    starts, ways = np.tile(eye, (2001, 1)), np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    last = np.full(2001, -1)  # the mirror that each ray comes from: it does not hit that again
+    for _ in range(5):
+        hits = space.raycast(starts, ways, exclude=last)
+        beams = np.stack([starts[:-1], starts[1:], hits.points[1:], hits.points[:-1]], axis=1)
+        sheet = pygame.Surface(show.SIZE)
+        for beam in beams[last[1:] == last[:-1]].tolist():
+            pygame.draw.polygon(sheet, "white", beam)
+        sheet.blit(glow, eye - (800, 500), special_flags=pygame.BLEND_MULT)
+        screen.blit(sheet, (0, 0), special_flags=pygame.BLEND_ADD)
+        on = np.isin(hits.ids, mirrors)
+        starts, last, n = hits.points[on], hits.ids[on], hits.normals[on]
+        ways = ways[on] - 2 * (ways[on] * n).sum(axis=1, keepdims=True) * n
+    for center in pillars:
+        pygame.draw.aacircle(screen, show.DIM, center, 20)
+    for a, b in lines:
+        pygame.draw.aaline(screen, show.TEAL, a, b, 4)
     pygame.draw.aacircle(screen, show.TEXT, eye, 6)
-    show.caption(screen, f"{len(directions):,} rays, {seen.sum()} of {n} obstacles in sight")
+    show.caption(screen, f"{len(turns):,} rays, {len(mirrors)} mirrors")

@@ -1,4 +1,4 @@
-"""A platformer: runners jump over walls, onto ledges and on a lift; one call moves all of them."""
+"""A platformer: the hero runs to the mouse and jumps if it is above, and collects the coins."""
 
 import numpy as np
 import pygame
@@ -7,34 +7,33 @@ import jostle
 import show
 
 LEVEL = """
-................ .............--- ...--.......---. .........--.....
-.#..--.........# ##..........--## ##...#........## ###..##...#..### ################
+.............o.. ............---. ...o....o....... ..---..---....o. .............---
+........o..---.. #o.....##.o...o. ##..#..##..#..## ##..#..##..##.## ################
 """
-WALL, LEDGE, RUNNER = 1, 2, 4
+WALL, LEDGE, LIFT, COIN, HERO = 1, 2, 4, 8, 16
+COLORS = {WALL: show.DIM, LEDGE: show.GREEN, LIFT: show.TEAL, COIN: show.YELLOW, HERO: show.ORANGE}
 level = np.array([list(row) for row in LEVEL.split()])
-solid, ledges = (jostle.tiles(level == kind, 50) for kind in "#-")
-ledges[:, 3] -= 42  # thin
-rng = np.random.default_rng(18)
+solid, ledges = jostle.tiles(level == "#", 50), jostle.tiles(level == "-", 50)
+ledges[:, 3] -= 40  # thin
 space = jostle.Space()
-space.add(boxes=np.vstack([solid, (-9, -999, 0, 450), (800, -999, 809, 450)]), categories=WALL)
+space.add(boxes=solid, categories=WALL)
 space.add(boxes=ledges, categories=LEDGE)
-lift = space.add((385, 200), 0.0, (35, 4), categories=LEDGE)
-ids = space.add([(20 + 19 * k, 20) for k in range(40)], 2.0, (4, 7), categories=RUNNER)
-velocities, speeds = np.zeros((40, 2)), rng.choice([-1, 1], 40) * rng.uniform(1, 3, 40)
+lift = space.add((500, 300), 0.0, (40, 5), categories=LIFT)
+spots = np.argwhere(level == "o")[:, ::-1] * 50 + 25
+space.add(spots, 8.0, categories=COIN, masks=HERO)
+hero = space.add((50, 300), 0.0, (9, 15), categories=HERO)
+fall = 0.0
 
-for frame, screen in enumerate(show.frames("A platformer", until=170)):
-    space.set(lift, positions=(385, 240 + 110 * np.cos(frame / 40)))  # it carries the runners on it
-    velocities[:, 0] = speeds
-    velocities[:, 1] += 0.5
-    slides = space.move_and_slide(ids, velocities, mask=WALL | LEDGE, one_way=LEDGE)
-    velocities[:] = slides.remaining
-    jumps = slides.on_floor & (slides.on_wall | (rng.random(40) < 0.02))
-    velocities[jumps, 1] = -rng.uniform(7, 12, jumps.sum())
-    speeds[slides.on_wall & (rng.random(40) < 0.1)] *= -1
+for frame, screen in enumerate(show.frames("A platformer", until=360)):
+    space.set(lift, positions=(500, 270 + 100 * np.cos(frame / 40)))  # it carries the hero
+    away = pygame.mouse.get_pos() - space.get(hero).positions
+    step = (np.clip(away[0] / 5, -4, 4), fall)
+    slide = space.move_and_slide(hero, step, mask=WALL | LEDGE | LIFT, one_way=LEDGE | LIFT, snap=8)
+    fall = -14 if slide.on_floor and away[1] < -30 else slide.remaining[1] + 0.6
+    space.remove(space.update().between(COIN, HERO).entered[:, 0])
 
-    colors = [show.DIM] * len(solid) + [show.GREEN] * len(ledges) + [show.YELLOW]
-    for box, color in zip(np.vstack([solid, ledges, space.get(lift).boxes]), colors):
-        pygame.draw.rect(screen, color, (*box[:2], *(box[2:] - box[:2])), border_radius=3)
-    for x, y in space.get(ids).positions:
-        pygame.draw.rect(screen, show.ORANGE, (x - 6, y - 9, 12, 18), border_radius=5)
-    show.caption(screen, f"{(level == '#').sum()} tiles in {len(solid)} boxes, {len(ids)} runners")
+    left = (space.categories == COIN).sum()
+    for (x, y, right, bottom), category in zip(space.bounds(), space.categories.tolist()):
+        area = (x, y, right - x, bottom - y)
+        pygame.draw.rect(screen, COLORS[category], area, border_radius=8 * (category != WALL))
+    show.caption(screen, f"{len(spots) - left} of {len(spots)} coins")

@@ -100,19 +100,29 @@ def caption(screen: Any, text: str) -> None:
 
 
 @contextmanager
-def axes(text: str) -> Iterator[Any]:
-    """Yield axes of 800 by 500 pixels, with y downwards as in a window, for a still picture."""
+def axes(text: str, labels: tuple[str, str] | None = None) -> Iterator[Any]:
+    """Yield axes for a still picture, of 800 by 500 pixels with y downwards, as in a window.
+
+    With labels for x and y the axes have scales, which fit what is drawn, and y points upwards.
+    """
     import matplotlib.pyplot as plt
 
     if _asked.picture:
         plt.switch_backend("Agg")
     figure = plt.figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, facecolor=GROUND)
-    plot = figure.add_axes((0, 0, 1, 1))
-    plot.axis("off")
-    plot.set(xlim=(0, WIDTH), ylim=(HEIGHT, 0))
+    plot = figure.add_axes((0.09, 0.22, 0.87, 0.73) if labels else (0, 0, 1, 1), facecolor=GROUND)
+    if labels:
+        plot.set(xlabel=labels[0], ylabel=labels[1])
+        plot.tick_params(colors=SOFT)
+        plot.spines[:].set_color(DIM)
+        plot.xaxis.label.set_color(TEXT)
+        plot.yaxis.label.set_color(TEXT)
+    else:
+        plot.axis("off")
+        plot.set(xlim=(0, WIDTH), ylim=(HEIGHT, 0))
     yield plot
     box = {"boxstyle": "round,pad=0.6", "fc": (0.05, 0.06, 0.08, 0.88), "ec": "none"}
-    plot.text(24, HEIGHT - 24, text, color=TEXT, size=9.8, bbox=box, va="baseline", zorder=9)
+    figure.text(24 / WIDTH, 24 / HEIGHT, text, color=TEXT, size=9.8, bbox=box, va="baseline")
     if _asked.picture:
         figure.savefig(_asked.picture, dpi=100, facecolor=GROUND)
     else:

@@ -16,9 +16,9 @@ FOLDER = ROOT / "examples"
 PICTURES = ROOT / "docs" / "pictures"
 EXAMPLES = sorted(FOLDER.glob("[0-9][0-9]_*.py"))
 ALLOWED = {"jostle", "matplotlib", "numpy", "pygame", "pytmx", "show", *sys.stdlib_module_names}
-# Frames until there is something to see: the first bullet hits after about seventy. A step of the
-# ten thousand balls takes up to a second while they still overlap from their placement.
-FRAMES = {"02_ten_thousand_balls": "3", "03_bullets_and_ships": "90"}
+# Frames until there is something to see: the spirals of bullets need a while. A step of the ten
+# thousand balls takes up to a second while they still overlap from their placement.
+FRAMES = {"02_ten_thousand_balls": "3", "03_bullet_hell": "90", "24_suika": "100"}
 each_example = pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 
 

@@ -1,0 +1,39 @@
+"""Air hockey against the computer: mallets that nothing pushes, and goals that report the puck."""
+
+import numpy as np
+import pygame
+
+import jostle
+import show
+
+world = jostle.World(
+    [(400, 250)], 18.0, velocities=(-420, 150), drag=0.1, restitution=0.95,
+    container=jostle.Box(0, 0, *show.SIZE), track_events=True,
+)  # fmt: skip
+mallets = world.add([(150, 250), (650, 250)], 30.0, movable=False)
+goals = world.add([(0, 250), (800, 250)], 70.0, movable=False, sensors=True)
+score, trail = [0, 0], [(400.0, 250.0)]
+
+for screen in show.frames("Air hockey", until=340):
+    puck = world.positions[0].tolist()
+    wishes = [pygame.mouse.get_pos(), puck if puck[0] > 420 else (690, puck[1])]
+    aims = np.clip(wishes, [(30, 30), (430, 30)], [(370, 470), (770, 470)])
+    ways = aims - world.positions[mallets]  # ids are rows, as nothing is removed
+    world.set(mallets, velocities=np.clip(15 * ways, -400, 400))
+    world.step(1 / 60)
+    for k, goal in enumerate(goals):
+        if [0, goal] in world.events.entered.tolist():  # ids of the puck and of the goal
+            score[1 - k] += 1
+            world.set(0, positions=(400, 250), velocities=(300 - 600 * k, 140))
+
+    pygame.draw.aaline(screen, show.DIM, (400, 0), (400, 500), 3)
+    pygame.draw.aacircle(screen, show.DIM, (400, 250), 70, 3)
+    for goal in world.positions[goals].tolist():
+        pygame.draw.aacircle(screen, show.YELLOW, goal, 70, 3)
+    trail = [*trail[-30:], puck]
+    for k, place in enumerate(trail):
+        faded = pygame.Color(show.GROUND).lerp(show.RED, (k + 1) ** 3 / len(trail) ** 3)
+        pygame.draw.aacircle(screen, faded, place, 18 * (k + 1) / len(trail))
+    for mallet, color in zip(world.positions[mallets].tolist(), (show.TEAL, show.BLUE)):
+        pygame.draw.aacircle(screen, color, mallet, 30)
+    show.caption(screen, f"{score[0]} : {score[1]}")
