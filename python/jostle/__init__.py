@@ -20,7 +20,7 @@
     The results of queries.
 `Separated`, `Slide`, `Slides`, `Shape`, `Shapes`
     The results of `separate`, `Space.move_and_slide` and `Space.get`.
-`WorldContacts`, `WallContacts`, `WorldEvents`, `LastStep`, `LastCall`
+`WorldContacts`, `WallContacts`, `WorldEvents`, `WallEvents`, `LastStep`, `LastCall`
     What a world says about its last step.
 `Particle`, `Particles`, `Wall`, `WallColumns`
     Copies of some particles and walls.
@@ -72,6 +72,7 @@ from jostle.results import (
     Wall,
     WallColumns,
     WallContacts,
+    WallEvents,
     WorldContacts,
     WorldEvents,
 )
@@ -115,6 +116,7 @@ __all__ = [
     "Wall",
     "WallColumns",
     "WallContacts",
+    "WallEvents",
     "Walls",
     "World",
     "WorldContacts",

@@ -42,6 +42,7 @@ from jostle.results import (
     Stats,
     Wall,
     WallColumns,
+    WallEvents,
     WorldEvents,
 )
 
@@ -2671,8 +2672,8 @@ class World:
         them from points. A particle stays on the side on which its centre is. One that overlaps
         a wall is pushed out in several steps. On a periodic plane walls act across its sides,
         and a wall may extend over each side once at most. Or a dict of the arguments of
-        `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `one_way`,
-        `categories` and `masks`. The walls have the ids 0, 1, 2, ...
+        `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `sensors`,
+        `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
         `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
@@ -2697,7 +2698,8 @@ class World:
         there are 2 to 8 times as many. A step whose
         particles travel far is divided into parts, which share the sub-steps; each part has at least one.
     track_events : bool, default False
-        Whether `events` reports which pairs began and ceased to touch in each call of `step`.
+        Whether `events` and `wall_events` report what began and ceased to touch in each call of
+        `step`.
     method : {"quadtree", "brute"}, default "quadtree"
         How pairs are found; the pairs are the same.
     threads : int, optional
@@ -3697,16 +3699,46 @@ class World:
         1.0
         """
     @property
+    def wall_events(self) -> WallEvents:
+        """The particles and walls that began and ceased to touch in the last call of `step`: a `WallEvents` of
+        `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of the id of a particle and that
+        of a wall, or the `Side` of a container, sorted. They need ``track_events=True``, as `events` do.
+
+        The steps and sub-steps of the call count as for `events`. A particle touches a wall that is a sensor if
+        they overlap at any time of the call, also on its way through within one step: then the pair is in
+        `entered` and in `exited`. It touches any other wall, or a side, if it gets an impulse from it, or if the
+        gap at the end of the call is at most the rounding of float32. Walls that were removed touch nothing.
+
+        Raises
+        ------
+        RuntimeError
+            If `track_events` is False.
+
+        See Also
+        --------
+        events : The same of two particles.
+        last_step : The walls of the last step, with impulses.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (0, 2)], 0.5, velocities=[(9, 0), (0, 0)], track_events=True)
+        >>> goal = world.walls.add(((4, -1), (4, 1)), sensors=True)
+        >>> world.step(1.0)  # the first particle flies through the goal
+        >>> world.wall_events.entered, world.wall_events.exited
+        (array([[0, 0]]), array([[0, 0]]))
+        """
+    @property
     def events(self) -> WorldEvents:
         """The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
-        `entered`, `stayed` and `left`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
+        `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
         sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
 
         All steps and sub-steps of the call count: a pair that began and ceased to touch is in
-        `entered` and in `left`. A pair in `entered` did not touch at the end of the call before,
-        and a pair in `left` does not touch at the end of this one, also because a particle was
+        `entered` and in `exited`. A pair in `entered` did not touch at the end of the call before,
+        and a pair in `exited` does not touch at the end of this one, also because a particle was
         removed or merged. In the first call all pairs that touch have entered. So a pair
-        that has entered does not enter again before it has left.
+        that has entered does not enter again before it has exited.
 
         Particles touch if they collide, if the gap between them is at most the rounding of float32,
         or if a resting contact presses them together. Particles that pass through each other,
@@ -3720,6 +3752,7 @@ class World:
 
         See Also
         --------
+        wall_events : The same of particles and walls.
         last_step : The pairs of the last step, with impulses.
         last_call : The number of collisions.
 
@@ -4029,10 +4062,10 @@ class Walls:
     them as a whole, or change some walls with `set`. A change wakes all particles. It costs as much
     as all walls, so change many at once.
 
-    A wall is solid from both sides, and so are its ends, unless it is `one_way`. It moves with its velocity in each step, and
-    pushes particles as a kinematic particle does. Walls that are moved by a change transfer no
-    momentum: particles that overlap a wall are pushed out in several steps, to the side on which
-    their centre is.
+    A wall is solid from both sides, and so are its ends, unless it is `one_way` or one of the
+    `sensors`. It moves with its velocity in each step, and pushes particles as a kinematic particle
+    does. Walls that are moved by a change transfer no momentum: particles that overlap a wall are
+    pushed out in several steps, to the side on which their centre is.
 
     See Also
     --------
@@ -4058,6 +4091,7 @@ class Walls:
         velocities: ArrayLike = (0.0, 0.0),
         friction: ArrayLike | None = None,
         restitution: ArrayLike | None = None,
+        sensors: ArrayLike = False,
         one_way: ArrayLike = False,
         categories: ArrayLike = 1,
         masks: ArrayLike = 4294967295,
@@ -4074,6 +4108,9 @@ class Walls:
         friction, restitution : array_like, a number or shape (k,), optional
             Coefficients. A contact has the square root of the product with that of the particle. None,
             and NaN for one wall, is the coefficient of the particle.
+        sensors : array_like of bool, one or shape (k,), default False
+            Whether the wall is a sensor: no particle feels it, and `World.wall_events` tells which
+            particles touch it, also on their way through within one step.
         one_way : array_like of bool, one or shape (k,), default False
             Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx),
             where (dx, dy) is ``end - start``. A particle comes from there if all of it is there, up to an
@@ -4141,6 +4178,7 @@ class Walls:
         velocities: ArrayLike | None = None,
         friction: ArrayLike | None = None,
         restitution: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
         one_way: ArrayLike | None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
@@ -4159,6 +4197,8 @@ class Walls:
             In units of length per second.
         friction, restitution : array_like, a number or shape (k,), or None, optional
             Coefficients. None, and NaN for one wall, is the coefficient of the particle.
+        sensors : array_like of bool, one or shape (k,), optional
+            Whether the wall is a sensor.
         one_way : array_like of bool, one or shape (k,), optional
             Whether the wall stops only what comes from its left.
         categories, masks : array_like of int, a number or shape (k,), optional
@@ -4300,6 +4340,14 @@ class Walls:
         """
     @restitution.setter
     def restitution(self, value: ArrayLike | None) -> None: ...
+    @property
+    def sensors(self) -> NDArray[np.bool_]:
+        """Which walls are sensors, which no particle feels: ndarray of bool, shape (m,), a read-only copy.
+
+        `World.wall_events` tells which particles touch them. To change all, assign an array or one bool.
+        """
+    @sensors.setter
+    def sensors(self, value: ArrayLike) -> None: ...
     @property
     def one_way(self) -> NDArray[np.bool_]:
         """Which walls stop only what comes from the left of start → end: ndarray of bool, shape (m,), a read-only

@@ -28,10 +28,55 @@ def test_events() -> None:
             step_all((world, ours), 1 / 60, steps)
             seen += check_events(name, ours, world)
         assert seen > 0, name
-    try:
-        _ = scattered(gas(9), evenly).events
-    except RuntimeError as error:
-        assert "track_events=True" in str(error)
+    for kind in ("events", "wall_events"):
+        untracked = scattered(gas(9), evenly)
+        try:
+            getattr(untracked, kind)
+        except RuntimeError as error:
+            assert "track_events=True" in str(error)
+        else:
+            raise AssertionError(kind)
+
+
+def fenced(**options: Any) -> jostle.World:
+    """A gas with walls, of which every second one is a sensor, some of which move."""
+    draw = np.random.default_rng(3)
+    world = gas(300, cover=0.4, track_events=True, **options)
+    (left, bottom), (right, top) = world.positions.min(axis=0), world.positions.max(axis=0)
+    starts = draw.uniform((left, bottom), (right, top), (24, 2))
+    segments = np.stack([starts, starts + draw.normal(0, 6, (24, 2))], axis=1)
+    velocities = np.where(np.arange(24)[:, None] % 4 > 1, (3.0, 1.0), (0.0, 0.0))
+    world.walls.add(segments, velocities=velocities, sensors=np.arange(24) % 2 == 0)
+    return world
+
+
+def test_wall_events() -> None:
+    """Sensors and solid walls, also of particles that cross a sensor within one step, that move to
+    other ranks meanwhile, and that are removed, as walls are."""
+    for name, world, dt, steps in (
+        ("fences", fenced(), 1 / 60, 3),
+        ("torus", fenced(container="torus"), 1 / 60, 3),
+        ("long steps", fenced(container="torus", on_touch="ignore"), 0.5, 1),
+        ("rest", fenced(**REST), 1 / 60, 2),
+    ):
+        ours = scattered(world, unevenly, every=2)
+        crossed, sides = 0, 0
+        for call in range(6):
+            step_all((world, ours), dt, steps)
+            check_events(name, ours, world)
+            events = world.wall_events
+            ways = set(map(tuple, events.entered)) & set(map(tuple, events.exited))
+            crossed += sum(wall % 2 == 0 and wall >= 0 for _, wall in ways)
+            sides += int((events.entered[:, 1] < 0).sum())
+            if call == 3:
+                gone = world.ids[[0, 7, 150, 299]]
+                world.remove(gone)
+                ours.remove(of_rank(gone))
+                for one in (world, ours):
+                    one.walls.remove([0, 5])
+        assert world.state_hash() == ours.state_hash(), name
+        assert crossed > 0 or name != "long steps"
+        assert sides > 0 or world.container is None
 
 
 def check_merged(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:

@@ -133,15 +133,23 @@ def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None
 
 
 def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:
-    """The events of all ranks together are those of one process; returns how many these are."""
-    found = [
-        np.concatenate(parts)
-        for parts in zip(*comm().allgather(list(ours.events.to_dict().values())), strict=True)
-    ]
-    for pairs, expected in zip(found, list(world.events.to_dict().values()), strict=True):
-        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-        assert np.array_equal(pairs, expected), f"{name} at {world.time}"
-    return sum(map(len, found))
+    """The events of all ranks together are those of one process, of particles and of walls; returns
+    how many the first ones are."""
+    check_same_events(f"{name}, walls", ours.wall_events, world.wall_events)
+    return check_same_events(name, ours.events, world.events)
+
+
+def check_same_events(
+    name: str,
+    ours: jostle.WorldEvents | jostle.WallEvents,
+    expected: jostle.WorldEvents | jostle.WallEvents,
+) -> int:
+    """The events of all ranks, each pair on one of them; returns how many they are."""
+    for field, pairs in expected.to_dict().items():
+        found = np.concatenate(comm().allgather(getattr(ours, field)))
+        found = found[np.lexsort((found[:, 1], found[:, 0]))]
+        assert np.array_equal(found, pairs), f"{name}: {field}"
+    return sum(map(len, expected.to_dict().values()))
 
 
 def check_asleep_now(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:

@@ -149,6 +149,7 @@ pub fn walls<'py>(py: Python<'py>, all: &[Wall], single: bool) -> PyResult<Bound
         field(py, listed(all.iter().map(|wall| wall.velocity))?, single)?,
         field(py, surface(|of| of.friction)?, single)?,
         field(py, surface(|of| of.restitution)?, single)?,
+        field(py, listed(all.iter().map(|wall| wall.is_sensor))?, single)?,
         field(py, listed(all.iter().map(|wall| wall.is_one_way))?, single)?,
         field(py, listed(all.iter().map(|wall| wall.filter.category))?, single)?,
         field(py, listed(all.iter().map(|wall| wall.filter.mask))?, single)?,
@@ -190,11 +191,10 @@ pub fn shapes<'py, T: Element + Scalar>(
     class.call1(PyTuple::new(py, fields)?)
 }
 
-/// `jostle.WorldEvents`.
-pub fn world_events(py: Python<'_>, all: TouchEvents) -> PyResult<Bound<'_, PyAny>> {
-    static EVENTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+/// `jostle.WorldEvents` or `jostle.WallEvents`.
+pub fn events<'py>(py: Python<'py>, class: &str, all: TouchEvents) -> PyResult<Bound<'py, PyAny>> {
     let fields = (table(py, all.entered)?, table(py, all.stayed)?, table(py, all.left)?);
-    EVENTS.import(py, "jostle.results", "WorldEvents")?.call1(fields)
+    py.import("jostle.results")?.getattr(class)?.call1(fields)
 }
 
 /// `jostle.LastStep`.

@@ -29,6 +29,7 @@ fn in_walls(column: &'static str) -> &'static str {
         "velocities" => "walls['velocities']",
         "friction" => "walls['friction']",
         "restitution" => "walls['restitution']",
+        "sensors" => "walls['sensors']",
         "one_way" => "walls['one_way']",
         "categories" => "walls['categories']",
         "masks" => "walls['masks']",
@@ -43,6 +44,7 @@ pub struct Columns {
     velocities: Option<Each<[f32; 2]>>,
     friction: Option<Each<f32>>,
     restitution: Option<Each<f32>>,
+    sensors: Option<Each<bool>>,
     one_way: Option<Each<bool>>,
     categories: Option<Each<u32>>,
     masks: Option<Each<u32>>,
@@ -69,16 +71,26 @@ impl Columns {
             value.map(|value| coefficients(named(name), &value, len)).transpose()
         };
         let (friction, restitution) = (surface("friction")?, surface("restitution")?);
-        let one_way = keywords.take_some("one_way")?;
-        let one_way = one_way
-            .map(|value| Argument::booleans(named("one_way"), &value)?.truth_each(len))
-            .transpose()?;
+        let mut truth = |name| {
+            let value = keywords.take_some(name)?;
+            value.map(|value| Argument::booleans(named(name), &value)?.truth_each(len)).transpose()
+        };
+        let (sensors, one_way) = (truth("sensors")?, truth("one_way")?);
         let mut bits = |name| {
             let value = keywords.take_some(name)?;
             value.map(|value| Argument::integers(named(name), &value)?.bits_each(len)).transpose()
         };
         let (categories, masks) = (bits("categories")?, bits("masks")?);
-        Ok(Self { segments, velocities, friction, restitution, one_way, categories, masks })
+        Ok(Self {
+            segments,
+            velocities,
+            friction,
+            restitution,
+            sensors,
+            one_way,
+            categories,
+            masks,
+        })
     }
 
     /// A single column of all `len` walls.
@@ -106,6 +118,7 @@ impl Columns {
         put(&self.velocities, walls, |wall, velocity| wall.velocity = velocity);
         put(&self.friction, walls, |wall, value| wall.surface.friction = some(value));
         put(&self.restitution, walls, |wall, value| wall.surface.restitution = some(value));
+        put(&self.sensors, walls, |wall, is_sensor| wall.is_sensor = is_sensor);
         put(&self.one_way, walls, |wall, is_one_way| wall.is_one_way = is_one_way);
         put(&self.categories, walls, |wall, bits| wall.filter.category = bits);
         put(&self.masks, walls, |wall, bits| wall.filter.mask = bits);

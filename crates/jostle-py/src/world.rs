@@ -96,8 +96,8 @@ pub use wall_view::PyWalls;
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
 ///     a wall is pushed out in several steps. On a periodic plane walls act across its sides,
 ///     and a wall may extend over each side once at most. Or a dict of the arguments of
-///     `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `one_way`,
-///     `categories` and `masks`. The walls have the ids 0, 1, 2, ...
+///     `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `sensors`,
+///     `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
 /// forces : sequence of forces, default ()
 ///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
 ///     `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
@@ -122,7 +122,8 @@ pub use wall_view::PyWalls;
 ///     there are 2 to 8 times as many. A step whose
 ///     particles travel far is divided into parts, which share the sub-steps; each part has at least one.
 /// track_events : bool, default False
-///     Whether `events` reports which pairs began and ceased to touch in each call of `step`.
+///     Whether `events` and `wall_events` report what began and ceased to touch in each call of
+///     `step`.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found; the pairs are the same.
 /// threads : int, optional

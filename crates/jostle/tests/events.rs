@@ -18,7 +18,8 @@ fn call(world: &mut World, steps: usize) {
 }
 
 fn events(world: &World) -> TouchEvents {
-    world.events().unwrap().expect("they are tracked")
+    let [pairs, _] = world.events().unwrap().expect("they are tracked");
+    pairs
 }
 
 fn tracked(settings: WorldSettings) -> WorldSettings {

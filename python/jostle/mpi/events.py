@@ -6,14 +6,12 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-import jostle
-
 from .exchange import send
 
 _PAIR = np.dtype([("first", "<i8"), ("second", "<i8"), ("when", "u1")])
 
 
-def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> jostle.WorldEvents:
+def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
     """The events, each pair on one rank.
 
     `touched` are the pairs that this rank has seen at the end of the call before, in this one, and
@@ -30,11 +28,11 @@ def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> jostle.WorldE
     before, during, at_end = (np.zeros(len(pairs), np.bool_) for _ in range(3))
     for when, seen in enumerate((before, during, at_end)):
         seen[numbers.reshape(-1)[rows["when"] == when]] = True
-    return jostle.WorldEvents(
-        entered=pairs[(during | at_end) & ~before],
-        stayed=pairs[before & at_end],
-        exited=pairs[(before | during) & ~at_end],
-    )
+    return {
+        "entered": pairs[(during | at_end) & ~before],
+        "stayed": pairs[before & at_end],
+        "exited": pairs[(before | during) & ~at_end],
+    }
 
 
 def new_ids(

@@ -203,6 +203,7 @@ class Walls:
     restitution = WallColumn(
         "Coefficients of restitution: ndarray of float32, shape (m,); NaN is that of the particle."
     )
+    sensors = WallColumn("Which walls are sensors: ndarray of bool, shape (m,).")
     one_way = WallColumn(
         "Which walls stop only what comes from the left: ndarray of bool, shape (m,)."
     )

@@ -52,9 +52,9 @@ class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `potential_energy`, `momentum`, `events`, `renumbered` and `last_call`. The particles of all
-    ranks have the same states, in bits, as those of one `jostle.World` with all of them, whatever
-    the number of ranks and the distribution.
+    `potential_energy`, `momentum`, `events`, `wall_events`, `renumbered` and `last_call`. The
+    particles of all ranks have the same states, in bits, as those of one `jostle.World` with all of
+    them, whatever the number of ranks and the distribution.
 
     Parameters
     ----------
@@ -630,10 +630,25 @@ class World:
         The pairs are of ids, sorted; see `jostle.World.events`. After `load` no pair touches before
         the first step.
         """
+        pairs = self._events(at_walls=False)
+        return jostle.WorldEvents(**pairs)
+
+    @property
+    @collective
+    def wall_events(self) -> jostle.WallEvents:
+        """The particles and walls that began and ceased to touch in the last call of `step`.
+
+        Each pair is on one rank; see `jostle.World.wall_events`. After `load` nothing touches
+        before the first step.
+        """
+        pairs = self._events(at_walls=True)
+        return jostle.WallEvents(**pairs)
+
+    def _events(self, *, at_walls: bool) -> dict[str, NDArray[np.int64]]:
         with together(self._comm):
             if not self._core.track_events:
                 raise RuntimeError("events are not tracked; make the world with track_events=True")
-        return events_of(self._comm, *self._core._own_touches())
+        return events_of(self._comm, *self._core._own_touches(at_walls))
 
     @property
     @collective

@@ -20,6 +20,7 @@ from jostle.results.worlds import (
     Wall,
     WallColumns,
     WallContacts,
+    WallEvents,
     WorldContacts,
     WorldEvents,
 )
@@ -47,6 +48,7 @@ __all__ = [
     "Wall",
     "WallColumns",
     "WallContacts",
+    "WallEvents",
     "WorldContacts",
     "WorldEvents",
 ]

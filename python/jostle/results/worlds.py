@@ -131,7 +131,36 @@ class WorldEvents(Result):
     See Also
     --------
     jostle.World.events : Returns it.
+    WallEvents : The same of particles and walls.
     jostle.Events : The same for the shapes of a `Space`.
+    """
+
+    __slots__ = ("entered", "stayed", "exited")
+
+    entered: NDArray[np.int64]
+    stayed: NDArray[np.int64]
+    exited: NDArray[np.int64]
+
+
+class WallEvents(Result):
+    """Particles and walls that began and ceased to touch in the last call of `World.step`.
+
+    Each array has pairs of the id of a particle and that of a wall, or the `Side` of a container,
+    sorted.
+
+    Attributes
+    ----------
+    entered : ndarray of int64, shape (m, 2)
+        Pairs that did not touch at the end of the call before, and touched in this one.
+    stayed : ndarray of int64, shape (m, 2)
+        Pairs that touched at the ends of both calls.
+    exited : ndarray of int64, shape (m, 2)
+        Pairs that touched at the end of the call before or in this one, and not at its end.
+
+    See Also
+    --------
+    jostle.World.wall_events : Returns it.
+    WorldEvents : The same of two particles.
     """
 
     __slots__ = ("entered", "stayed", "exited")
@@ -343,6 +372,8 @@ class WallColumns(Result):
         In units of length per second.
     friction, restitution : ndarray of float32, shape (k,)
         Coefficients; NaN stands for that of the particle.
+    sensors : ndarray of bool, shape (k,)
+        Whether the wall is a sensor.
     one_way : ndarray of bool, shape (k,)
         Whether the wall stops only what comes from its left.
     categories, masks : ndarray of uint32, shape (k,)
@@ -359,6 +390,7 @@ class WallColumns(Result):
         "velocities",
         "friction",
         "restitution",
+        "sensors",
         "one_way",
         "categories",
         "masks",
@@ -368,6 +400,7 @@ class WallColumns(Result):
     velocities: NDArray[np.float32]
     friction: NDArray[np.float32]
     restitution: NDArray[np.float32]
+    sensors: NDArray[np.bool_]
     one_way: NDArray[np.bool_]
     categories: NDArray[np.uint32]
     masks: NDArray[np.uint32]
@@ -384,6 +417,8 @@ class Wall(Result):
         In units of length per second.
     friction, restitution : float
         Coefficients; NaN stands for that of the particle.
+    sensors : bool
+        Whether the wall is a sensor.
     one_way : bool
         Whether the wall stops only what comes from its left.
     categories, masks : int
@@ -401,6 +436,7 @@ class Wall(Result):
     velocities: NDArray[np.float32]
     friction: float
     restitution: float
+    sensors: bool
     one_way: bool
     categories: int
     masks: int

@@ -171,9 +171,16 @@ impl PyWorld {
         results::world_contacts(py, self.long(py, |state| ranks::own_touches_asleep(&state.world))?)
     }
 
-    /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.
-    fn _own_touches<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
-        let all = self.long(py, |state| state.world.record().touches())?.map_err(refused)?;
+    /// Pairs of particles, or of particles and walls, that touched: at the end of the call before, in this one, and at
+    /// its end. For `jostle.mpi`.
+    fn _own_touches<'py>(
+        &self,
+        py: Python<'py>,
+        at_walls: bool,
+    ) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
+        let [pairs, walls] =
+            self.long(py, |state| state.world.record().touches())?.map_err(refused)?;
+        let all = if at_walls { walls } else { pairs };
         all.into_iter().map(|pairs| table(py, pairs)).collect()
     }
 

@@ -1,5 +1,6 @@
 //! What a world remembers of its last step and of the last call of `step`: contacts, sums and events.
 
+use jostle_world::TouchEvents;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -73,14 +74,14 @@ impl PyWorld {
     }
 
     /// The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
-    /// `entered`, `stayed` and `left`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
+    /// `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
     /// sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
     ///
     /// All steps and sub-steps of the call count: a pair that began and ceased to touch is in
-    /// `entered` and in `left`. A pair in `entered` did not touch at the end of the call before,
-    /// and a pair in `left` does not touch at the end of this one, also because a particle was
+    /// `entered` and in `exited`. A pair in `entered` did not touch at the end of the call before,
+    /// and a pair in `exited` does not touch at the end of this one, also because a particle was
     /// removed or merged. In the first call all pairs that touch have entered. So a pair
-    /// that has entered does not enter again before it has left.
+    /// that has entered does not enter again before it has exited.
     ///
     /// Particles touch if they collide, if the gap between them is at most the rounding of float32,
     /// or if a resting contact presses them together. Particles that pass through each other,
@@ -94,6 +95,7 @@ impl PyWorld {
     ///
     /// See Also
     /// --------
+    /// wall_events : The same of particles and walls.
     /// last_step : The pairs of the last step, with impulses.
     /// last_call : The number of collisions.
     ///
@@ -113,9 +115,50 @@ impl PyWorld {
     /// (array([[1, 2]]), 0, 0)
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let [pairs, _] = self.all_events(py)?;
+        results::events(py, "WorldEvents", pairs)
+    }
+
+    /// The particles and walls that began and ceased to touch in the last call of `step`: a `WallEvents` of
+    /// `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of the id of a particle and that
+    /// of a wall, or the `Side` of a container, sorted. They need ``track_events=True``, as `events` do.
+    ///
+    /// The steps and sub-steps of the call count as for `events`. A particle touches a wall that is a sensor if
+    /// they overlap at any time of the call, also on its way through within one step: then the pair is in
+    /// `entered` and in `exited`. It touches any other wall, or a side, if it gets an impulse from it, or if the
+    /// gap at the end of the call is at most the rounding of float32. Walls that were removed touch nothing.
+    ///
+    /// Raises
+    /// ------
+    /// RuntimeError
+    ///     If `track_events` is False.
+    ///
+    /// See Also
+    /// --------
+    /// events : The same of two particles.
+    /// last_step : The walls of the last step, with impulses.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (0, 2)], 0.5, velocities=[(9, 0), (0, 0)], track_events=True)
+    /// >>> goal = world.walls.add(((4, -1), (4, 1)), sensors=True)
+    /// >>> world.step(1.0)  # the first particle flies through the goal
+    /// >>> world.wall_events.entered, world.wall_events.exited
+    /// (array([[0, 0]]), array([[0, 0]]))
+    #[getter]
+    fn wall_events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let [_, walls] = self.all_events(py)?;
+        results::events(py, "WallEvents", walls)
+    }
+}
+
+impl PyWorld {
+    /// The events of pairs of particles, and of particles and walls.
+    fn all_events(&self, py: Python<'_>) -> PyResult<[TouchEvents; 2]> {
         let events = self.long(py, |state| state.world.events())?.map_err(refused)?;
         let rule = "events are not tracked; set world.track_events = True before the step, or make \
                     the world with track_events=True";
-        results::world_events(py, events.ok_or_else(|| PyRuntimeError::new_err(rule))?)
+        events.ok_or_else(|| PyRuntimeError::new_err(rule))
     }
 }

@@ -24,10 +24,10 @@ use crate::walls::{self, Columns, as_it_is};
 /// them as a whole, or change some walls with `set`. A change wakes all particles. It costs as much
 /// as all walls, so change many at once.
 ///
-/// A wall is solid from both sides, and so are its ends, unless it is `one_way`. It moves with its velocity in each step, and
-/// pushes particles as a kinematic particle does. Walls that are moved by a change transfer no
-/// momentum: particles that overlap a wall are pushed out in several steps, to the side on which
-/// their centre is.
+/// A wall is solid from both sides, and so are its ends, unless it is `one_way` or one of the
+/// `sensors`. It moves with its velocity in each step, and pushes particles as a kinematic particle
+/// does. Walls that are moved by a change transfer no momentum: particles that overlap a wall are
+/// pushed out in several steps, to the side on which their centre is.
 ///
 /// See Also
 /// --------
@@ -85,6 +85,9 @@ impl PyWalls {
     /// friction, restitution : array_like, a number or shape (k,), optional
     ///     Coefficients. A contact has the square root of the product with that of the particle. None,
     ///     and NaN for one wall, is the coefficient of the particle.
+    /// sensors : array_like of bool, one or shape (k,), default False
+    ///     Whether the wall is a sensor: no particle feels it, and `World.wall_events` tells which
+    ///     particles touch it, also on their way through within one step.
     /// one_way : array_like of bool, one or shape (k,), default False
     ///     Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx),
     ///     where (dx, dy) is ``end - start``. A particle comes from there if all of it is there, up to an
@@ -120,7 +123,8 @@ impl PyWalls {
     #[pyo3(
         signature = (segments, **columns),
         text_signature = "($self, segments, *, velocities=(0.0, 0.0), friction=None, \
-                          restitution=None, one_way=False, categories=1, masks=4294967295)"
+                          restitution=None, sensors=False, one_way=False, categories=1, \
+                          masks=4294967295)"
     )]
     fn add<'py>(
         &self,
@@ -187,6 +191,8 @@ impl PyWalls {
     ///     In units of length per second.
     /// friction, restitution : array_like, a number or shape (k,), or None, optional
     ///     Coefficients. None, and NaN for one wall, is the coefficient of the particle.
+    /// sensors : array_like of bool, one or shape (k,), optional
+    ///     Whether the wall is a sensor.
     /// one_way : array_like of bool, one or shape (k,), optional
     ///     Whether the wall stops only what comes from its left.
     /// categories, masks : array_like of int, a number or shape (k,), optional
@@ -209,7 +215,8 @@ impl PyWalls {
     #[pyo3(
         signature = (ids, **columns),
         text_signature = "($self, ids, *, segments=None, velocities=None, friction=None, \
-                          restitution=None, one_way=None, categories=None, masks=None)"
+                          restitution=None, sensors=None, one_way=None, categories=None, \
+                          masks=None)"
     )]
     fn set(
         &self,
@@ -375,6 +382,19 @@ impl PyWalls {
     #[setter]
     fn set_restitution(&self, py: Python<'_>, value: Bound<'_, PyAny>) -> PyResult<()> {
         self.assign(py, "restitution", value)
+    }
+
+    /// Which walls are sensors, which no particle feels: ndarray of bool, shape (m,), a read-only copy.
+    ///
+    /// `World.wall_events` tells which particles touch them. To change all, assign an array or one bool.
+    #[getter]
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        self.array_of(py, |wall| wall.is_sensor)
+    }
+
+    #[setter]
+    fn set_sensors(&self, py: Python<'_>, value: Bound<'_, PyAny>) -> PyResult<()> {
+        self.assign(py, "sensors", value)
     }
 
     /// Which walls stop only what comes from the left of start → end: ndarray of bool, shape (m,), a read-only

@@ -103,6 +103,8 @@ pub struct Flight<'a> {
     pub sensed: &'a [([f32; 2], Vec<[u32; 2]>)],
     /// Whether all pairs are of this kind.
     pub senses_all: bool,
+    /// Whether discs that pass through walls are listed.
+    pub senses_walls: bool,
     /// Distances from the positions at the beginning of the part; discs that get beyond them are
     /// listed. Empty if none are to be listed.
     pub watched_reaches: &'a [f32],

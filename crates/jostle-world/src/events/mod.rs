@@ -68,6 +68,8 @@ pub struct Events {
     /// Pairs that touched during the step, of those that pass through each other; some may be listed
     /// twice.
     pub sensed: Vec<[u32; 2]>,
+    /// Discs and the numbers of the walls that they touched, of those that are sensors; some may be listed twice.
+    pub at_walls: Vec<[u32; 2]>,
     /// Discs that were exhausted, sorted. See [`exhaustion`].
     pub exhausted: Vec<u32>,
     /// Discs whose collisions became elastic in a window, because they had many, once for each window.
@@ -304,6 +306,7 @@ impl Events {
         self.resolve_conflicts(&window, bounds)?;
         self.find_beyond_reach(&window)?;
         self.find_sensed(&window)?;
+        self.find_at_walls(&window)?;
         self.digest_shared(&window)?;
         if window.is_last() {
             self.finish(&window);
@@ -328,6 +331,7 @@ impl Events {
         self.bounced.clear();
         self.sensed.clear();
         self.sensed_near.clear();
+        self.at_walls.clear();
         self.exhausted.clear();
         self.collapsed.clear();
         self.beyond_reach.clear();

@@ -1,4 +1,4 @@
-//! Pairs that pass through each other: which of them touch.
+//! Pairs that pass through each other, and discs that pass through walls: which of them touch.
 
 use super::Events;
 use super::flight::TimeWindow;
@@ -51,6 +51,41 @@ impl Events {
         memory::extend(&mut sensed, touching)?;
         self.sensed = sensed;
         Ok(())
+    }
+
+    /// Appends the discs that touch walls which are sensors along their trajectories in the window.
+    pub(super) fn find_at_walls(&mut self, window: &TimeWindow<'_>) -> Result<()> {
+        if !window.flight.senses_walls {
+            return Ok(());
+        }
+        let (walls, gravity) = (window.flight.walls, window.gravity());
+        let (mut at_walls, mut done) = (std::mem::take(&mut self.at_walls), Ok(()));
+        let mut add = |index: u32, wall: u32| {
+            let added = memory::push(&mut at_walls, [index, wall]);
+            if added.is_err() {
+                done = added;
+            }
+        };
+        walls.each_near_sensor(|index, wall, offset| {
+            let touches = |at: TimedPiece| {
+                walls.is_touched(index, (wall, offset), &at.piece, at.end, gravity)
+            };
+            if self.pieces(window, index).any(touches) {
+                add(index, wall);
+            }
+        });
+        // Few discs leave the bounds in which walls were searched.
+        for index in 0..window.flight.particles.len() as u32 {
+            for at in self.pieces(window, index) {
+                walls.each_sensor_beyond(index, &at.piece, at.end, gravity, |wall, offset| {
+                    if walls.is_touched(index, (wall, offset), &at.piece, at.end, gravity) {
+                        add(index, wall);
+                    }
+                });
+            }
+        }
+        self.at_walls = at_walls;
+        done
     }
 
     /// Whether two discs may touch, and their trajectories come so near each other that their surfaces touch.

@@ -206,7 +206,7 @@ impl Around<'_> {
 
     /// Whether a disc that moves from a position by at most `longest` stays in the region in which
     /// walls near it were searched.
-    fn stays_near(&self, index: u32, position: Vector, longest: f64) -> bool {
+    pub(super) fn stays_near(&self, index: u32, position: Vector, longest: f64) -> bool {
         let at = index as usize;
         let anchor = exact(self.particles.positions[at], self.particles.residuals[at]);
         let offset = less(position, anchor);
@@ -214,7 +214,7 @@ impl Around<'_> {
     }
 
     /// A piece relative to a wall with an offset.
-    fn seen_from(&self, wall: u32, offset: Vector, piece: &Piece) -> Piece {
+    pub(super) fn seen_from(&self, wall: u32, offset: Vector, piece: &Piece) -> Piece {
         let velocity = self.velocity(wall);
         if velocity == [0.0; 2] && offset == [0.0; 2] {
             return *piece;
@@ -327,7 +327,7 @@ impl Search<'_> {
 }
 
 /// A box that contains the trajectory of a centre between two times.
-fn bounds(piece: &Piece, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
+pub(super) fn bounds(piece: &Piece, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
     let [a, b] = times.map(|time| piece.position_at(time, gravity));
     // Where a parabola has its vertex along an axis, or one of the ends.
     let vertex = |k: usize| {

@@ -143,7 +143,7 @@ impl Line {
 
     /// The first time after `after` at which the centre of a disc crosses the line through both ends; infinite if there
     /// is none.
-    fn crossing_of_line(&self, piece: &Piece, gravity: Vector, after: f64) -> f64 {
+    pub(super) fn crossing_of_line(&self, piece: &Piece, gravity: Vector, after: f64) -> f64 {
         first_crossing(self.left_of(piece.position), self.across(), piece, gravity, after)
     }
 }

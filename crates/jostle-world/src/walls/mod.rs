@@ -13,6 +13,7 @@ mod impact;
 mod moving;
 mod near;
 mod one_way;
+mod sensors;
 mod torus;
 
 use std::cmp::Ordering;
@@ -85,9 +86,11 @@ pub struct Wall {
     pub filter: Filter,
     /// Whether it is solid only for discs that come from its left, see [`one_way`].
     pub is_one_way: bool,
+    /// Whether no disc feels it, and it only tells which ones touch it, see [`sensors`].
+    pub is_sensor: bool,
 }
 
-saved! { struct Wall { ends, residuals, velocity, surface, filter, is_one_way } }
+saved! { struct Wall { ends, residuals, velocity, surface, filter, is_one_way, is_sensor } }
 
 impl Wall {
     /// A wall at rest that is solid for all discs from both sides, with the coefficients of the particles.
@@ -99,6 +102,7 @@ impl Wall {
             surface: Surface::default(),
             filter: Filter::default(),
             is_one_way: false,
+            is_sensor: false,
         }
     }
 
@@ -107,18 +111,24 @@ impl Wall {
         [0, 1].map(|end| exact(self.ends[end], self.residuals[end]))
     }
 
+    /// Whether the filters let it meet a disc.
+    #[inline(always)]
+    fn meets(&self, disc: Filter) -> bool {
+        let Filter { category, mask } = self.filter;
+        filters_agree([category, mask], [disc.category, disc.mask])
+    }
+
     /// Whether it stops discs with this filter.
     #[inline(always)]
     fn stops(&self, disc: Filter) -> bool {
-        let Filter { category, mask } = self.filter;
-        filters_agree([category, mask], [disc.category, disc.mask])
+        !self.is_sensor && self.meets(disc)
     }
 
     /// Whether it stops every disc that another wall stops. Otherwise it cannot stand in for an end of that wall: a
     /// disc that only the other wall stops would pass through the joint of the two.
     fn stops_all_of(&self, other: &Self) -> bool {
         let (own, of) = (self.filter, other.filter);
-        let passes_more = self.is_one_way && !other.is_one_way;
+        let passes_more = self.is_sensor || self.is_one_way && !other.is_one_way;
         of.category & !own.category == 0 && of.mask & !own.mask == 0 && !passes_more
     }
 }
@@ -189,6 +199,7 @@ pub struct Walls {
     are_elastic: bool,
     /// Whether any wall has a filter that is not the default.
     has_filters: bool,
+    has_sensors: bool,
 }
 
 impl Saved for Walls {
@@ -275,8 +286,16 @@ impl Walls {
         let any_moves = all.iter().any(Wall::moves);
         let are_elastic = are_elastic(&all);
         let has_filters = all.iter().any(|wall| wall.filter != Filter::default());
-        let mut walls =
-            Self { all, any_moves, container, are_elastic, has_filters, ..Self::default() };
+        let has_sensors = all.iter().any(|wall| wall.is_sensor);
+        let mut walls = Self {
+            all,
+            any_moves,
+            container,
+            are_elastic,
+            has_filters,
+            has_sensors,
+            ..Self::default()
+        };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }
@@ -512,7 +531,7 @@ fn add_images(
 
 /// Whether elastic discs keep their energy at all of these walls.
 fn are_elastic(all: &[Wall]) -> bool {
-    all.iter().all(|wall| wall.surface.is_elastic())
+    all.iter().all(|wall| wall.is_sensor || wall.surface.is_elastic())
 }
 
 /// Refuses too many walls.

@@ -1,6 +1,6 @@
 //! The broad phase of walls: which of them each disc may touch during a step.
 
-use super::{Wall, Walls, less, number_of};
+use super::{Image, Wall, Walls, less, number_of};
 use crate::trajectory::Vector;
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Method;
@@ -36,6 +36,8 @@ pub struct Near {
     pub(super) reaches: Vec<f32>,
     /// Displacements up to which discs certainly touch no wall; at most these distances.
     pub(super) free: Vec<f32>,
+    /// The sensors near discs: the indices of the discs, the numbers and the offsets of the walls.
+    pub(super) sensors: Vec<(u32, u32, Vector)>,
     /// Walls and discs that were found, and the same sorted by discs.
     found: Vec<[u32; 2]>,
     sorted: Vec<[u32; 2]>,
@@ -57,6 +59,7 @@ impl Near {
     ) -> Result<()> {
         self.starts.clear();
         self.walls.clear();
+        self.sensors.clear();
         if walls.is_empty() {
             return Ok(());
         }
@@ -94,11 +97,20 @@ impl Near {
         if method == Method::Brute {
             found.retain(|&pair| is_near(pair));
         }
-        if walls.has_filters || bounds.columns().has_filters() {
-            found.retain(|&[wall, index]| {
+        if walls.has_sensors || walls.has_filters || bounds.columns().has_filters() {
+            let filter = |index: u32| {
                 let Shape { category, mask, .. } = bounds.columns().shape(index as usize);
-                walls.at(wall).stops(Filter { category, mask })
+                Filter { category, mask }
+            };
+            let sensed = found.iter().filter(|&&[wall, index]| {
+                walls.at(wall).is_sensor && walls.at(wall).meets(filter(index))
             });
+            let sensed = sensed.map(|&[wall, index]| {
+                let Image { wall, offset } = *walls.image_at(wall);
+                (index, number_of(wall), offset)
+            });
+            memory::extend(&mut self.sensors, sensed)?;
+            found.retain(|&[wall, index]| walls.at(wall).stops(filter(index)));
         }
         // Walls were searched in larger bounds than pairs, so discs may go farther before a new
         // search.
@@ -154,7 +166,12 @@ impl Near {
 impl Walls {
     /// The wall at an index of the tree.
     fn at(&self, index: u32) -> &Wall {
-        &self.all[self.images[self.tree.rows()[index as usize] as usize].wall as usize]
+        &self.all[self.image_at(index).wall as usize]
+    }
+
+    /// The wall at an index of the tree, with its offset.
+    fn image_at(&self, index: u32) -> &Image {
+        &self.images[self.tree.rows()[index as usize] as usize]
     }
 
     /// The offset of the wall at an index of the tree.

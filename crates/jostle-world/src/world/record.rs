@@ -4,17 +4,26 @@
 use std::cmp::Ordering;
 
 use super::bodies::Bodies;
+use super::boundaries::Boundaries;
 use super::distribution::Distribution;
 use super::totals::{Collisions, StepSums, Totals};
+use crate::container::FIRST_SIDE;
+use crate::surface::MAX_SIDES;
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory::{self, copy_option};
 
+/// No wall has this id; those of sides are below.
+const NO_WALL: Id = -1;
+
+/// The least id of a side: that of a round container.
+const LAST_SIDE: Id = FIRST_SIDE - MAX_SIDES as Id;
+
 /// Pairs in the list of those that touched before doubles are removed for the first time.
 const FEW: usize = 1024;
 
-/// Pairs of ids, the smaller first, sorted.
+/// Sorted pairs of ids: of two particles, the smaller first, or of a particle and a wall or side.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TouchEvents {
     /// Those that did not touch when the record began, and touched later.
@@ -28,37 +37,47 @@ pub struct TouchEvents {
 /// What happened in the steps since the record began.
 ///
 /// A step adds to it as it is computed, and [`Record::undo`] takes that away again if the step is repeated or
-/// refused. All lists of pairs are of ids, the smaller first.
+/// refused.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     pub(super) totals: Totals,
-    /// The pairs that touched at the end of the record before, sorted.
-    pub(crate) before: Vec<[Id; 2]>,
-    /// The pairs that touched in a step of this record; some may be listed twice.
-    during: Vec<[Id; 2]>,
-    /// Those that touched at the end of this record, sorted.
-    pub(crate) at_end: Vec<[Id; 2]>,
-    /// In a distributed world, those of them of which a particle was removed since.
-    pub(crate) gone: Vec<[Id; 2]>,
+    /// The pairs of particles, of ids, the smaller first.
+    pub(crate) pairs: Pairs,
+    /// The pairs of a particle and a wall or side, of their ids.
+    pub(crate) walls: Pairs,
     /// The old and the new id of each particle that became part of another, by old ids; None if none did.
     merged: Option<Vec<[Id; 2]>>,
-    /// The length of `during` when doubles were removed.
-    distinct: usize,
     /// Whether there was a step after the end of the record.
     pub(crate) is_open: bool,
     /// Whether no particle has fallen asleep since `at_end` was computed.
     pub(crate) knows_sleepers: bool,
     /// What the step that is computed adds to the totals.
     pub(super) of_step: StepSums,
-    /// The length of `during`, and what had merged, when the step began.
-    at_begin: (usize, Option<Vec<[Id; 2]>>),
+    /// What had merged when the step began.
+    merged_at_begin: Option<Vec<[Id; 2]>>,
     /// The record before, until a step of this one is complete.
     previous: Option<Box<Record>>,
 }
 
-impl Saved for Record {
+/// The pairs that touched, of the ids of two things.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Pairs {
+    /// Those that touched at the end of the record before, sorted.
+    before: Vec<[Id; 2]>,
+    /// Those that touched in a step of this record; some may be listed twice.
+    during: Vec<[Id; 2]>,
+    /// Those that touched at the end of this record, sorted.
+    pub(crate) at_end: Vec<[Id; 2]>,
+    /// In a distributed world, those of them of which a particle was removed since.
+    gone: Vec<[Id; 2]>,
+    /// The length of `during` when doubles were removed.
+    distinct: usize,
+    /// The length of `during` when the step began.
+    len_at_begin: usize,
+}
+
+impl Saved for Pairs {
     fn put(&self, to: &mut Writer) {
-        self.totals.put(to);
         // The order of `during` is not that of the state.
         self.before.put(to);
         match self.sorted() {
@@ -69,22 +88,19 @@ impl Saved for Record {
     }
 
     fn get(from: &mut Reader<'_>) -> Result<Self> {
-        let totals = Saved::get(from)?;
         let [before, during, at_end] = [Saved::get(from)?, Saved::get(from)?, Saved::get(from)?];
-        Ok(Self { totals, before, during, at_end, ..Self::default() })
+        Ok(Self { before, during, at_end, ..Self::default() })
     }
 }
 
-impl Record {
-    /// Refuses pairs that no record of particles with ids below `next` can have, and sums of more than so many walls.
-    pub(crate) fn check(&self, next: Id, track_events: bool, walls: usize) -> Result<()> {
-        self.totals.check(walls)?;
+impl Pairs {
+    /// Refuses lists of pairs of which one cannot be, and pairs if no events are tracked.
+    fn check(&self, track_events: bool, may_be: impl Fn(&[Id; 2]) -> bool) -> Result<()> {
         let lists = [&self.before, &self.during, &self.at_end];
-        let is_pair = |&[a, b]: &[Id; 2]| 0 <= a && a < b && b < next;
         let is_right =
-            |list: &Vec<[Id; 2]>| list.iter().all(is_pair) && list.is_sorted_by(|a, b| a < b);
+            |list: &Vec<[Id; 2]>| list.iter().all(&may_be) && list.is_sorted_by(|a, b| a < b);
         if !lists.iter().all(|list| is_right(list)) {
-            return Err(damaged("two particles that touched have no ids"));
+            return Err(damaged("two things that touched have no ids"));
         }
         if !track_events && lists.iter().any(|list| !list.is_empty()) {
             return Err(damaged("it has events, but tracks none"));
@@ -92,26 +108,53 @@ impl Record {
         Ok(())
     }
 
-    /// Sums over its steps.
-    pub fn totals(&self) -> &Totals {
-        &self.totals
+    /// Those with which the next record begins: those at the end of this one. Until it ends they are those at its end,
+    /// too, without those of which one is gone.
+    fn next(&self, is_there: impl Fn(&[Id; 2]) -> bool) -> Result<Self> {
+        let (before, mut at_end) = (union(&self.at_end, &self.gone)?, memory::copy(&self.at_end)?);
+        at_end.retain(is_there);
+        Ok(Self { before, at_end, ..Self::default() })
     }
 
-    /// The pairs that touched at the end of the record before, that touched in a step of this one, and that touch at
-    /// its end. Several processes of a distributed world may have the same pair.
-    pub fn touches(&self) -> Result<[Vec<[Id; 2]>; 3]> {
+    /// Keeps pairs of which a particle is removed apart.
+    pub(crate) fn set_apart(&mut self, is_gone: impl Fn(&[Id; 2]) -> bool) {
+        self.gone.extend(self.at_end.extract_if(.., |pair| is_gone(pair)));
+    }
+
+    /// Adds some that touched in the step.
+    pub(crate) fn add(&mut self, pairs: impl Iterator<Item = [Id; 2]>) -> Result<()> {
+        memory::extend(&mut self.during, pairs)
+    }
+
+    /// Ends a step.
+    fn end_step(&mut self) {
+        // Only a long list is sorted, so that a step costs as much as it adds.
+        // Without memory for the copy it stays as it is.
+        if self.during.len() > 2 * self.distinct.max(FEW)
+            && let Ok(sorted) = self.sorted()
+        {
+            self.during = sorted;
+            self.distinct = self.during.len();
+        }
+    }
+
+    /// Those that touched in a step, sorted, without doubles.
+    fn sorted(&self) -> Result<Vec<[Id; 2]>> {
+        let mut during = memory::copy(&self.during)?;
+        during.sort_unstable();
+        during.dedup();
+        Ok(during)
+    }
+
+    /// Those at the end of the record before, in a step of this one, and at its end. Several processes of a distributed
+    /// world may have the same pair.
+    fn touches(&self) -> Result<[Vec<[Id; 2]>; 3]> {
         let at_end = union(&self.at_end, &self.gone)?;
         Ok([memory::copy(&self.before)?, memory::copy(&self.during)?, at_end])
     }
 
-    /// The old and the new id of particles that became part of others; in a distributed world of those that were
-    /// own ones then. The new one may have merged since, on another process.
-    pub fn merged(&self) -> Option<&[[Id; 2]]> {
-        self.merged.as_deref()
-    }
-
-    /// The pairs that began and ceased to touch.
-    pub(crate) fn events(&self) -> Result<TouchEvents> {
+    /// Those that began and ceased to touch.
+    fn events(&self) -> Result<TouchEvents> {
         // With B before, D during and E at the end: entered = (D ∪ E) \ B, stayed = B ∩ E and left
         // = (B ∪ D) \ E. A pair that has touched in between is both in `entered` and in `left`.
         let during = self.sorted()?;
@@ -121,25 +164,65 @@ impl Record {
         let [left, _] = split(&union(&self.before, &touched)?, &self.at_end)?;
         Ok(TouchEvents { entered, stayed, left })
     }
+}
 
-    /// The pairs that touched in a step, sorted, without doubles.
-    pub(crate) fn sorted(&self) -> Result<Vec<[Id; 2]>> {
-        let mut during = memory::copy(&self.during)?;
-        during.sort_unstable();
-        during.dedup();
-        Ok(during)
+impl Saved for Record {
+    fn put(&self, to: &mut Writer) {
+        self.totals.put(to);
+        self.pairs.put(to);
+        self.walls.put(to);
     }
 
-    /// Begins a new record. The pairs at its beginning are those at the end of this one. Until it ends they are those at
-    /// its end, too, without the pairs of which a particle is gone.
-    pub(crate) fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) -> Result<()> {
-        let (before, mut at_end) = (union(&self.at_end, &self.gone)?, memory::copy(&self.at_end)?);
-        at_end.retain(is_there);
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let (totals, pairs, walls) = (Saved::get(from)?, Saved::get(from)?, Saved::get(from)?);
+        Ok(Self { totals, pairs, walls, ..Self::default() })
+    }
+}
+
+impl Record {
+    /// Refuses pairs that no record of particles and walls with ids below `next` can have, and sums of more than so
+    /// many walls.
+    pub(crate) fn check(&self, next: [Id; 2], track_events: bool, walls: usize) -> Result<()> {
+        self.totals.check(walls)?;
+        let [end, end_of_walls] = next;
+        let is_wall = |wall| wall < end_of_walls && wall != NO_WALL && wall >= LAST_SIDE;
+        self.pairs.check(track_events, |&[a, b]| 0 <= a && a < b && b < end)?;
+        self.walls.check(track_events, |&[a, wall]| 0 <= a && a < end && is_wall(wall))
+    }
+
+    /// Sums over its steps.
+    pub fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    /// The pairs that touched at the end of the record before, that touched in a step of this one, and that touch at
+    /// its end: of particles, and of particles and walls. Several processes of a distributed world may have the same
+    /// pair.
+    pub fn touches(&self) -> Result<[[Vec<[Id; 2]>; 3]; 2]> {
+        Ok([self.pairs.touches()?, self.walls.touches()?])
+    }
+
+    /// The old and the new id of particles that became part of others; in a distributed world of those that were
+    /// own ones then. The new one may have merged since, on another process.
+    pub fn merged(&self) -> Option<&[[Id; 2]]> {
+        self.merged.as_deref()
+    }
+
+    /// The pairs of particles, and of particles and walls, that began and ceased to touch.
+    pub(crate) fn events(&self) -> Result<[TouchEvents; 2]> {
+        Ok([self.pairs.events()?, self.walls.events()?])
+    }
+
+    /// Begins a new record. The pairs at its beginning are those at the end of this one. `is_there` tells of a
+    /// particle, and `is_wall` of a wall or side, whether it exists.
+    pub(crate) fn begin(&mut self, [is_there, is_wall]: [&dyn Fn(Id) -> bool; 2]) -> Result<()> {
+        let pairs = self.pairs.next(|pair| pair.iter().all(|&id| is_there(id)))?;
+        let walls = self.walls.next(|&[id, wall]| is_there(id) && is_wall(wall))?;
         // Of several records without a step, only the last may be as before.
         let old = Self { previous: None, ..std::mem::take(self) };
         *self = Self {
-            before,
-            at_end,
+            pairs,
+            walls,
             is_open: old.is_open,
             knows_sleepers: old.knows_sleepers,
             previous: Some(Box::new(old)),
@@ -148,9 +231,9 @@ impl Record {
         Ok(())
     }
 
-    /// Ends it with the pairs that touch now.
-    pub(crate) fn end(&mut self, touching: Vec<[Id; 2]>) {
-        self.at_end = touching;
+    /// Ends it with the pairs of particles, and of particles and walls, that touch now.
+    pub(crate) fn end(&mut self, [pairs, walls]: [Vec<[Id; 2]>; 2]) {
+        (self.pairs.at_end, self.walls.at_end) = (pairs, walls);
         self.is_open = false;
         self.knows_sleepers = true;
     }
@@ -163,17 +246,21 @@ impl Record {
 
     /// Begins an attempt at a step.
     pub(crate) fn begin_attempt(&mut self) -> Result<()> {
-        copy_option(&mut self.at_begin.1, self.merged.as_deref())?;
+        copy_option(&mut self.merged_at_begin, self.merged.as_deref())?;
         self.of_step.clear();
         // A step only appends pairs, so their number is enough to remove them again.
-        self.at_begin.0 = self.during.len();
+        for of in [&mut self.pairs, &mut self.walls] {
+            of.len_at_begin = of.during.len();
+        }
         Ok(())
     }
 
     /// Removes what the attempt has added.
     pub(crate) fn undo(&mut self) {
-        self.during.truncate(self.at_begin.0);
-        self.merged = self.at_begin.1.take();
+        for of in [&mut self.pairs, &mut self.walls] {
+            of.during.truncate(of.len_at_begin);
+        }
+        self.merged = self.merged_at_begin.take();
     }
 
     /// Makes room for what the attempt has added, so that [`Record::end_step`] cannot fail.
@@ -185,14 +272,8 @@ impl Record {
     pub(crate) fn end_step(&mut self) {
         self.totals.add(&self.of_step);
         self.is_open = true;
-        // Only a long list is sorted, so that a step costs as much as it adds.
-        // Without memory for the copy it stays as it is.
-        if self.during.len() > 2 * self.distinct.max(FEW)
-            && let Ok(sorted) = self.sorted()
-        {
-            self.during = sorted;
-            self.distinct = self.during.len();
-        }
+        self.pairs.end_step();
+        self.walls.end_step();
     }
 
     /// Ends a step in which nothing moved. Pairs of particles that fell asleep since `at_end` are not in it.
@@ -211,11 +292,6 @@ impl Record {
         {
             *self = *previous;
         }
-    }
-
-    /// Adds pairs that touched in the step.
-    pub(crate) fn add_pairs(&mut self, pairs: impl Iterator<Item = [Id; 2]>) -> Result<()> {
-        memory::extend(&mut self.during, pairs)
     }
 
     /// Collisions of the step that is computed.
@@ -253,7 +329,20 @@ pub(crate) fn record_pairs(
     indices: impl Iterator<Item = [u32; 2]>,
 ) -> Result<()> {
     let rows = |indices: [u32; 2]| indices.map(|index| bodies.awake.rows[index as usize]);
-    record.add_pairs(indices.map(rows).filter_map(|rows| halo.known_pair(&bodies.ids, rows)))
+    record.pairs.add(indices.map(rows).filter_map(|rows| halo.known_pair(&bodies.ids, rows)))
+}
+
+/// Adds rows of particles and numbers of walls that touched in the step to the record.
+pub(crate) fn record_walls(
+    record: &mut Record,
+    (bodies, boundaries): (&Bodies, &Boundaries),
+    halo: &dyn Distribution,
+    touched: impl Iterator<Item = [u32; 2]>,
+) -> Result<()> {
+    let own = touched.filter(|[row, _]| *row < halo.own_rows());
+    record
+        .walls
+        .add(own.map(|[row, wall]| [halo.id_among_all(&bodies.ids, row), boundaries.id_of(wall)]))
 }
 
 /// The pairs of two sorted lists, without doubles.

@@ -16,7 +16,7 @@ use super::islands::wake::{
 };
 use super::merge::merge;
 use super::plan::Plan;
-use super::record::record_pairs;
+use super::record::{record_pairs, record_walls};
 use super::renewal::Horizon;
 use super::reorder::reorder;
 use super::store::{load_motions, store_motions};
@@ -148,9 +148,11 @@ impl World {
         apply_andersen(&self.influences, particles, self.time, dt as f32, plan.threads);
         self.boundaries.end_attempt()?;
         if self.settings.track_events {
-            let Self { contacts, record, bodies, halo, .. } = self;
+            let Self { contacts, record, bodies, boundaries, halo, .. } = self;
             let touching = contacts.touching().map(|contact| contact.indices);
             record_pairs(record, bodies, &**halo, touching)?;
+            let at_walls = boundaries.impulses.iter().map(|of| [of.row, of.wall]);
+            record_walls(record, (bodies, boundaries), &**halo, at_walls)?;
         }
         self.record.make_room()?;
         // Falling asleep is the last that may fail. What comes after it cannot be undone.

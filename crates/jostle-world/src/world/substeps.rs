@@ -251,6 +251,7 @@ impl World {
             candidates: &scratch.pairs,
             sensed: &scratch.sensed,
             senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
+            senses_walls: settings.track_events && self.boundaries.walls.has_sensors(),
             watched_reaches: &scratch.watched_reaches,
             smallest_radius: common.smallest_radius,
             threads: common.plan.threads,

@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::bodies::discs::Discs;
-use super::record::record_pairs;
+use super::record::{record_pairs, record_walls};
 use super::search::{Overlap, overlapping};
 use super::settings::{OnTouch, WorldSettings};
 use super::{StepScratch, World};
@@ -71,7 +71,7 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) -> Resu
     list_exhausted(world)?;
     let World { bodies, scratch, boundaries, record, halo, settings, contacts, .. } = world;
     let Discs { particles, rows, .. } = &bodies.awake;
-    let Events { bounced, sensed, .. } = &mut scratch.events;
+    let Events { bounced, sensed, at_walls, .. } = &mut scratch.events;
     if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
         bounced.sort_unstable_by(Bounce::order);
     }
@@ -96,6 +96,8 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) -> Resu
         }
     }
     boundaries.collect(bounced, rows, (sums, &settings.container, halo.own_rows()))?;
+    let at_walls = at_walls.iter().map(|&[index, wall]| [rows[index as usize], wall]);
+    record_walls(record, (bodies, boundaries), &**halo, at_walls)?;
     sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
     sensed.sort_unstable();
     sensed.dedup();

@@ -39,22 +39,24 @@ impl World {
     pub fn begin_record(&mut self) -> Result<()> {
         // In a distributed world, pairs of removed particles are apart.
         let (ids, is_whole) = (&self.bodies.ids, self.halo.is_whole());
-        self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()))
+        let is_there = |id| !is_whole || ids.row(id).is_some();
+        let is_wall = |wall| wall < 0 || self.boundaries.ids.row(wall).is_some();
+        self.record.begin([&is_there, &is_wall])
     }
 
     /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be
     /// continued.
     pub fn end_record(&mut self) -> Result<()> {
         if self.settings.track_events && self.record.is_open {
-            let touching = touching(self)?;
+            let touching = [touching(self)?, touching_walls(self)?];
             self.record.end(touching);
         }
         Ok(())
     }
 
-    /// The pairs that began and ceased to touch between the beginning and the end of the record;
-    /// None if events are not tracked.
-    pub fn events(&self) -> Result<Option<TouchEvents>> {
+    /// The pairs of particles, and of particles and walls, that began and ceased to touch between the beginning and the
+    /// end of the record; None if events are not tracked.
+    pub fn events(&self) -> Result<Option<[TouchEvents; 2]>> {
         self.settings.track_events.then(|| self.record.events()).transpose()
     }
 }
@@ -78,6 +80,29 @@ pub(crate) fn touching(world: &mut World) -> Result<Vec<[Id; 2]>> {
     Ok(all)
 }
 
+/// The ids of particles and of walls or sides that touch now, sorted: those with a small gap, and those that resting
+/// contacts press together.
+fn touching_walls(world: &mut World) -> Result<Vec<[Id; 2]>> {
+    let World { bodies, boundaries, halo, settings, .. } = world;
+    // After a refused step the tree may be that of its walls.
+    boundaries.walls.begin_part(settings.tree, 0.0)?;
+    let (particles, rows) = (&bodies.awake.particles, &bodies.awake.rows);
+    let awake = boundaries.walls.touching(particles, 0..particles.len())?.into_iter();
+    let awake = awake.map(|[index, wall]| [rows[index as usize], wall]);
+    let Discs { particles, rows, .. } = &bodies.asleep.sleepers().discs;
+    let asleep = boundaries.walls.touching(particles, bodies.asleep.indices())?.into_iter();
+    let asleep = asleep.map(|[index, wall]| [rows[index as usize], wall]);
+    let impulses = boundaries.impulses.iter().chain(bodies.asleep.wall_impulses());
+    let pressed = impulses.filter(|of| of.pushes[0] > 0.0).map(|of| [of.row, of.wall]);
+    let all = awake.chain(asleep).chain(pressed).filter(|[row, _]| *row < halo.own_rows());
+    let ids = |[row, wall]: [u32; 2]| [halo.id_among_all(&bodies.ids, row), boundaries.id_of(wall)];
+    let mut found = Vec::new();
+    memory::extend(&mut found, all.map(ids))?;
+    found.sort_unstable();
+    found.dedup();
+    Ok(found)
+}
+
 /// The pairs of sleeping particles that touched when they were recorded.
 pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Result<Vec<[Id; 2]>> {
     let mut all = Vec::new();
@@ -87,7 +112,7 @@ pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Result<V
     let mut asleep = memory::filled(bodies.len(), false)?;
     bodies.asleep.rows().for_each(|row| asleep[row as usize] = true);
     let sleeps = |&id: &Id| bodies.ids.row(id).is_some_and(|row| asleep[row as usize]);
-    let known = record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
+    let known = record.pairs.at_end.iter().filter(|pair| pair.iter().any(sleeps));
     let known = known.filter(|pair| pair.iter().all(|&id| bodies.contains(id)));
     memory::extend(&mut all, known.copied())?;
     Ok(all)

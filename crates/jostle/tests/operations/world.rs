@@ -457,7 +457,10 @@ impl WorldCase {
     fn follow(&mut self) {
         let world = &self.worlds[0];
         let Some(events) = world.events().unwrap() else { return };
-        let (entered, stayed, left) = (events.entered, events.stayed, events.left);
+        let (entered, stayed, left) = {
+            let [pairs, _] = events;
+            (pairs.entered, pairs.stayed, pairs.left)
+        };
         assert!(entered.iter().all(|pair| !self.touching.contains(pair)), "{entered:?}");
         let gone = |pair: &[Id; 2]| left.binary_search(pair).is_ok();
         let before = &self.touching;

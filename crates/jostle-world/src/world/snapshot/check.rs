@@ -127,7 +127,8 @@ pub(super) fn finish(world: &mut World) -> Result<()> {
         ensure(external.len() == len, "it has accelerations of no particles")?;
         check_vectors("accelerations", external).map_err(refused)?;
     }
-    record.check(bodies.ids.parts().1, settings.track_events, boundaries.walls.all().len())?;
+    let next = [bodies.ids.parts().1, boundaries.ids.parts().1];
+    record.check(next, settings.track_events, boundaries.walls.all().len())?;
     let may_sleep = may_sleep(settings, influences, &boundaries.walls);
     ensure(bodies.asleep.is_empty() || may_sleep, "nothing can sleep in it")
 }
