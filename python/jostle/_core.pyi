@@ -5375,21 +5375,21 @@ class ThermalWalls:
     >>> world.step(1 / 60, steps=10)
     """
 
-    __match_args__: Final = ("temperature", "sides", "seed")
+    __match_args__: Final = ("temperature",)
     def __new__(
         cls,
         temperature: _Number,
-        sides: ArrayLike | None = None,
-        seed: SupportsIndex = 0,
         *,
+        sides: ArrayLike | None = None,
         walls: ArrayLike | None = None,
+        seed: SupportsIndex = 0,
     ) -> Self: ...
     @property
     def temperature(self) -> float:
         """Boltzmann's constant times the temperature."""
     @property
-    def sides(self) -> tuple[int, ...]:
-        """The sides of the container that have it: a tuple of int, ascending."""
+    def sides(self) -> tuple[int, ...] | None:
+        """The sides of the container that have it: a tuple of int, values of `Side`; None for all."""
     @property
     def seed(self) -> int:
         """The seed of the random numbers."""

@@ -13,6 +13,7 @@ import jostle
 
 KT = 1.0
 N = 2000
+MIN_X, MAX_X, MIN_Y, MAX_Y = list(jostle.Side)[:4]
 SIDE = math.sqrt(N * math.pi / 0.2)  # a fifth of the area is covered
 
 
@@ -55,7 +56,7 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
 
 @pytest.mark.usefixtures("usual_threads")
 def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
-    world = gas([jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1])])
+    world = gas([jostle.ThermalWalls(4.0, sides=[MIN_X]), jostle.ThermalWalls(1.0, sides=[MAX_X])])
     world.step(1.0, steps=1500)
     warm = []
     for _ in range(10):
@@ -69,20 +70,23 @@ def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
 
 
 def test_they_are_values() -> None:
-    walls = jostle.ThermalWalls(2.5, sides=[3, 0], seed=7)
+    walls = jostle.ThermalWalls(2.5, sides=[MAX_Y, MIN_X], seed=7)
     bath = jostle.AndersenThermostat(2.5, rate=0.5)
-    assert repr(walls) == "ThermalWalls(2.5, (0, 3), 7)"
+    assert repr(walls) == "ThermalWalls(2.5, sides=(-2, -5), seed=7)"
     assert repr(bath) == "AndersenThermostat(2.5, 0.5, 0)"
-    assert (walls.temperature, walls.sides, walls.seed) == (2.5, (0, 3), 7)
+    assert (walls.temperature, walls.sides, walls.seed) == (2.5, (MIN_X, MAX_Y), 7)
     assert (bath.temperature, bath.rate, bath.seed) == (2.5, 0.5, 0)
-    assert jostle.ThermalWalls(1).sides == (0, 1, 2, 3) and walls.walls == ()
+    assert jostle.ThermalWalls(1).sides == tuple(jostle.Side) and walls.walls == ()
+    assert jostle.ThermalWalls(1) == jostle.ThermalWalls(1, sides=list(jostle.Side))
     plates = jostle.ThermalWalls(2.5, walls=[2, 0])
-    assert repr(plates) == "ThermalWalls(2.5, (), 0, walls=(2, 0))"
+    assert repr(plates) == "ThermalWalls(2.5, walls=(2, 0), seed=0)"
     assert (plates.sides, plates.walls) == ((), (2, 0)) and plates != jostle.ThermalWalls(2.5)
-    for force in (walls, bath, plates):
+    both = jostle.ThermalWalls(2.5, sides=list(jostle.Side), walls=[0])
+    assert jostle.ThermalWalls(2.5, sides=MIN_X) == jostle.ThermalWalls(2.5, sides=[MIN_X])
+    for force in (walls, bath, plates, both, jostle.ThermalWalls(1)):
         for same in (way(force) for way in WAYS):
             assert same == force and hash(same) == hash(force)
-    assert walls != jostle.ThermalWalls(2.5, sides=[3], seed=7)
+    assert walls != jostle.ThermalWalls(2.5, sides=[MAX_Y], seed=7)
     world = gas([walls, bath])
     assert world.forces == (walls, bath)
     assert jostle.World.restore(world.snapshot()).forces == (walls, bath)
@@ -91,9 +95,9 @@ def test_they_are_values() -> None:
 @pytest.mark.parametrize(
     ("container", "sides", "rule"),
     [
-        (None, None, "[0, 1, 2, 3]; a world without a container has no sides"),
-        (jostle.Circle((0, 0), 50), [0, 1], "[0, 1]; a Circle has one side, 0"),
-        (jostle.Circle((0, 0), 50), [3], "[3]; a Circle has one side, 0"),
+        (None, None, "[-2, -3, -4, -5, -6]; a world without a container has no sides"),
+        (jostle.Circle((0, 0), 50), [MIN_X, MAX_X], "[-2, -3]; a Circle has one side, RIM, -6"),
+        (jostle.Circle((0, 0), 50), [MAX_Y], "[-5]; a Circle has one side, RIM, -6"),
     ],
 )
 def test_sides_that_a_container_does_not_have_are_refused(
@@ -101,7 +105,7 @@ def test_sides_that_a_container_does_not_have_are_refused(
 ) -> None:
     """At the construction, when forces are set, and when the container changes."""
     message = f"^{re.escape('forces[1] is ThermalWalls with sides=' + rule)}$"
-    forces = [jostle.Thermostat(1.0, 0.5), jostle.ThermalWalls(1.0, sides)]
+    forces = [jostle.Thermostat(1.0, 0.5), jostle.ThermalWalls(1.0, sides=sides)]
     disc = {"positions": [(20, 20)], "velocities": [(0, 0)], "radii": 1.0}
     with pytest.raises(ValueError, match=message):
         jostle.World(**disc, container=container, forces=forces)
@@ -123,13 +127,15 @@ def test_all_sides_are_the_wall_of_a_circle_and_walls_need_no_container() -> Non
     round_wall = [jostle.ThermalWalls(1.0)]
     world = jostle.World(**disc, container=jostle.Box(0, 0, 50, 50), forces=round_wall)
     world.container = jostle.Circle((20, 20), 50)
-    world.forces = [jostle.ThermalWalls(1.0, sides=[0])]
+    world.forces = [jostle.ThermalWalls(1.0, sides=[jostle.Side.RIM])]
+    with pytest.raises(ValueError, match=r"\[-6\]; a Box has no RIM"):
+        world.container = jostle.Box(0, 0, 50, 50)
     plate = [jostle.ThermalWalls(1.0, walls=[0])]
     for period in (None, 50):
         walls = [((0, 0), (5, 0))]
         assert jostle.World(**disc, period=period, walls=walls, forces=plate).forces
-    with pytest.raises(ValueError, match=r"\[2\]; a periodic world has no sides"):
-        jostle.World(**disc, period=50, forces=[jostle.ThermalWalls(1.0, [2])])
+    with pytest.raises(ValueError, match=r"\[-4\]; a periodic world has no sides"):
+        jostle.World(**disc, period=50, forces=[jostle.ThermalWalls(1.0, sides=[MIN_Y])])
 
 
 @pytest.mark.parametrize(
@@ -138,13 +144,14 @@ def test_all_sides_are_the_wall_of_a_circle_and_walls_need_no_container() -> Non
         (lambda: jostle.ThermalWalls(0), ValueError, "temperature is 0; it must be above 0"),
         (lambda: jostle.ThermalWalls(-1), ValueError, "temperature is -1; it must be finite and"),
         (lambda: jostle.ThermalWalls(1, sides=[]), ValueError, "sides is (); at least one side"),
-        (lambda: jostle.ThermalWalls(1, sides=[0, 4]), ValueError, "sides[1] is 4; the sides of"),
+        (lambda: jostle.ThermalWalls(1, sides=[MIN_X, 4]), ValueError, "sides[1] is 4; a side of"),
+        (lambda: jostle.ThermalWalls(1, sides=-1), ValueError, "sides is -1; a side of a"),
         (lambda: jostle.ThermalWalls(1, walls=[]), ValueError, "sides is (); at least one side or"),
         (lambda: jostle.ThermalWalls(1, walls=[3, 3]), ValueError, "walls[1] is 3; it is given"),
         (lambda: jostle.ThermalWalls(1, walls=[-1]), ValueError, "walls[0] is -1; no wall has"),
         (lambda: jostle.ThermalWalls(1, walls=0.5), TypeError, "walls must hold integers"),
         (lambda: gas([jostle.ThermalWalls(1, walls=[0])]), ValueError, "forces[0] is ThermalWalls"),
-        (lambda: jostle.ThermalWalls(1, sides=[2, 2]), ValueError, "sides[1] is 2; it is given"),
+        (lambda: jostle.ThermalWalls(1, sides=[MIN_Y, MIN_Y]), ValueError, "sides[1] is -4; it is"),
         (lambda: jostle.ThermalWalls(1, seed=2**32), ValueError, "seed is 4294967296; it must"),
         (lambda: jostle.ThermalWalls("hot"), TypeError, "temperature must be a number"),  # type: ignore[arg-type]
         (lambda: jostle.AndersenThermostat(1, -1), ValueError, "rate is -1; it must be finite"),

@@ -16,6 +16,9 @@ pub const MAX_TOURS: f32 = 125.0;
 /// The id of the side at min x of a box. Below it come those at max x, min y and max y, and that of a circle.
 pub const FIRST_SIDE: i64 = -2;
 
+/// Number of sides that callers know: those of a box, and the rim of a round container.
+pub const KNOWN_SIDES: usize = MAX_SIDES + 1;
+
 /// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Container {

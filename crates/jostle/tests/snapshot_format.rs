@@ -95,7 +95,7 @@ fn with_forces() -> World {
         Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
         Influence::ThermalWalls(ThermalWalls {
             temperature: 2.0,
-            sides: [true, false, false, true],
+            sides: [true, false, false, true, false],
             walls: WallIds(vec![1]),
             seed: 7,
         }),

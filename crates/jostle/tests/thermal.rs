@@ -12,6 +12,8 @@ const KT: f32 = 4.0;
 const ALL: [bool; 4] = [true; 4];
 
 fn walls(sides: [bool; 4], seed: u32) -> Influence {
+    let [a, b, c, d] = sides;
+    let sides = [a, b, c, d, sides == ALL];
     Influence::ThermalWalls(ThermalWalls {
         temperature: KT,
         sides,
@@ -22,7 +24,7 @@ fn walls(sides: [bool; 4], seed: u32) -> Influence {
 
 /// Line segments at a temperature.
 fn segments(temperature: f32, walls: &[i64], seed: u32) -> Influence {
-    let (sides, walls) = ([false; 4], WallIds(walls.to_vec()));
+    let (sides, walls) = ([false; 5], WallIds(walls.to_vec()));
     Influence::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
 }
 
@@ -322,7 +324,7 @@ fn wrong_ones_are_refused() {
     let hot = |temperature| {
         Influence::ThermalWalls(ThermalWalls {
             temperature,
-            sides: ALL,
+            sides: [true; 5],
             walls: WallIds::default(),
             seed: 0,
         })
@@ -332,7 +334,7 @@ fn wrong_ones_are_refused() {
     assert!(refusal(&[walls([false; 4], 0)]).starts_with("sides is ()"));
     assert_eq!(
         refusal(&[walls([true, false, false, false], 0), walls(ALL, 1)]),
-        "forces[1] is another ThermalWalls; side 0 has a temperature already"
+        "forces[1] is another ThermalWalls; side -2 has a temperature already"
     );
     assert_eq!(refusal(&[segments(1.0, &[3, 5, 3], 0)]), "walls[2] is 3; it is given twice");
     assert!(refusal(&[segments(1.0, &[-1], 0)]).starts_with("walls[0] is -1; no wall"));

@@ -1,6 +1,8 @@
 //! `jostle.ThermalWalls`.
 
 use jostle_base::Error;
+use jostle_index::Each;
+use jostle_world::container::{FIRST_SIDE, KNOWN_SIDES};
 use jostle_world::forces::{ThermalWalls, WallIds};
 use pyo3::prelude::*;
 
@@ -23,15 +25,14 @@ use crate::error::refused;
 /// temperature : float
 ///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
 ///     particle, in units of mass times length² per second².
-/// sides : array_like of int, shape (k,), optional
-///     Numbers of the sides: 0 to 3 at min x, max x, min y and max y.
-///     The wall of a `Circle` is given by 0, or by all four. If omitted, all sides, or none if `walls`
-///     is given.
-/// seed : int, default 0
-///     Seed of the random numbers, below 2³².
-/// walls : array_like of int, shape (m,), optional
+/// sides : Side or array_like of Side, shape (k,), optional
+///     Sides of the container. If omitted, or all of `Side`, those that it has; if omitted and `walls` is
+///     given, none.
+/// walls : int or array_like of int, shape (m,), optional
 ///     Ids of line segments of `World.walls`, which have the temperature on both sides. At a wall
 ///     that moves, the velocities are relative to it.
+/// seed : int, default 0
+///     Seed of the random numbers, below 2³².
 ///
 /// Raises
 /// ------
@@ -61,12 +62,13 @@ use crate::error::refused;
 /// Examples
 /// --------
 /// >>> import jostle
-/// >>> hot, cold = jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1], seed=1)
+/// >>> hot = jostle.ThermalWalls(4.0, sides=jostle.Side.MIN_X)
+/// >>> cold = jostle.ThermalWalls(1.0, sides=jostle.Side.MAX_X, seed=1)
 /// >>> world = jostle.scenes.create("gas", n=100)
 /// >>> world.forces = [hot, cold]
 /// >>> world.step(1 / 60, steps=10)
 /// >>> hot
-/// ThermalWalls(4.0, (0,), 0)
+/// ThermalWalls(4.0, sides=(-2,), seed=0)
 ///
 /// A hot plate in the middle of the box:
 ///
@@ -81,17 +83,17 @@ pub struct PyThermalWalls(pub ThermalWalls);
 impl PyThermalWalls {
     #[new]
     #[pyo3(
-        signature = (temperature, sides=None, seed=Given::NOTHING, *, walls=None),
-        text_signature = "(temperature, sides=None, seed=0, *, walls=None)"
+        signature = (temperature, *, sides=None, walls=None, seed=Given::NOTHING),
+        text_signature = "(temperature, *, sides=None, walls=None, seed=0)"
     )]
     fn new(
         temperature: &Bound<'_, PyAny>,
         sides: Option<&Bound<'_, PyAny>>,
-        seed: Given<'_>,
         walls: Option<&Bound<'_, PyAny>>,
+        seed: Given<'_>,
     ) -> PyResult<Self> {
         let temperature = real("temperature", temperature)?;
-        let sides = sides.map_or(Ok([walls.is_none(); 4]), self::sides)?;
+        let sides = sides.map_or(Ok([walls.is_none(); KNOWN_SIDES]), self::sides)?;
         let walls = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
         let walls = WallIds(walls.map_or(Vec::new(), |ids| ids.rows(1)));
         let seed = read_seed(&seed)?;
@@ -103,34 +105,40 @@ arguments! {
     PyThermalWalls {
         /// Boltzmann's constant times the temperature.
         temperature: |own| own.0.temperature;
-        /// The sides of the container that have it: a tuple of int, ascending.
-        sides: |own| Numbers((0..4).filter(|&side| own.0.sides[side as usize]).collect());
-        /// The seed of the random numbers.
-        seed: |own| own.0.seed;
     }
     keywords {
+        /// The sides of the container that have it: a tuple of int, values of `Side`. All of them stand for
+        /// those that the container has.
+        sides: |own| Numbers(own.0.side_ids().collect());
         /// The ids of the walls that have it: a tuple of int.
         walls: |own| Numbers(own.0.walls.0.clone());
+        /// The seed of the random numbers.
+        seed: |own| own.0.seed;
     }
 }
 plain_arguments!(PyThermalWalls);
 
-/// The sides of the container with the numbers in an array.
-fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; 4]> {
-    let numbers = long_ids("sides", value, "side")?.rows(1);
-    let mut sides = [false; 4];
-    for (index, number) in numbers.into_iter().enumerate() {
-        let side = usize::try_from(number).ok().and_then(|side| sides.get_mut(side));
-        match side {
-            None => {
-                let rule = "the sides of a container are 0 to 3";
-                return Err(refused(Error::at("sides", index, number, rule)));
+/// One side of the container, or those in an array.
+fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; KNOWN_SIDES]> {
+    let ids = long_ids("sides", value, "side")?;
+    let is_single = matches!(ids, Each::One(_));
+    let mut sides = [false; KNOWN_SIDES];
+    for (index, id) in ids.rows(1).into_iter().enumerate() {
+        let side = FIRST_SIDE.checked_sub(id).and_then(|side| usize::try_from(side).ok());
+        let rule = match side.and_then(|side| sides.get_mut(side)) {
+            Some(side) if !*side => {
+                *side = true;
+                continue;
             }
-            Some(true) => {
-                return Err(refused(Error::at("sides", index, number, "it is given twice")));
-            }
-            Some(side) => *side = true,
-        }
+            Some(_) => "it is given twice",
+            None => "a side of a container is one of jostle.Side, -2 to -6",
+        };
+        let error = if is_single {
+            Error::of("sides", id, rule)
+        } else {
+            Error::at("sides", index, id, rule)
+        };
+        return Err(refused(error));
     }
     Ok(sides)
 }

@@ -289,7 +289,7 @@ impl Influences {
                 Role::Thermostat(_) => thermostats += 1,
                 Role::Andersen(_) => andersen_thermostats += 1,
                 Role::ThermalWalls(walls) => {
-                    let sides = walls.side_numbers().map(|side| ("side", Id::from(side)));
+                    let sides = walls.side_ids().map(|side| ("side", side));
                     let all = sides.chain(walls.walls.0.iter().map(|&wall| ("wall", wall)));
                     if let Some((noun, number)) = { all }.find(|&of| !known.insert(of)) {
                         let rule = format!("{noun} {number} has a temperature already");
@@ -340,7 +340,7 @@ impl Influences {
             if let Role::ThermalWalls(walls) = influence.role()
                 && let Some(rule) = walls.misfit(container)
             {
-                let sides: Vec<u32> = walls.side_numbers().collect();
+                let sides: Vec<Id> = walls.side_ids().collect();
                 let value = format!("ThermalWalls with sides={sides:?}");
                 return Err(Error::at("forces", index, value, rule));
             }

@@ -3,9 +3,8 @@
 use super::chance::Chance;
 use super::check_number;
 use super::record::{WallIds, record};
-use crate::container::Container;
+use crate::container::{Container, FIRST_SIDE, KNOWN_SIDES};
 use crate::particles::FARTHEST;
-use crate::surface::MAX_SIDES;
 use crate::walls::number_of;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -22,8 +21,9 @@ record! {
     pub struct ThermalWalls {
         /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
         pub temperature: f32,
-        /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
-        pub sides: [bool; MAX_SIDES],
+        /// Whether each side has the temperature: min x, max x, min y, max y, and the rim of a circle. If all have it,
+        /// those of any container do.
+        pub sides: [bool; KNOWN_SIDES],
         /// The ids of the walls that have the temperature, on both sides.
         pub walls: WallIds,
         /// Seed of the random numbers.
@@ -32,9 +32,15 @@ record! {
 }
 
 impl ThermalWalls {
-    /// The numbers of its sides.
-    pub fn side_numbers(&self) -> impl Iterator<Item = u32> + '_ {
-        (0..).zip(self.sides).filter_map(|(side, has_it)| has_it.then_some(side))
+    /// The numbers of its sides in a container; the rim is the first side of a round one.
+    pub fn side_numbers(&self) -> impl Iterator<Item = u32> + use<> {
+        let [first, b, c, d, rim] = self.sides;
+        (0..).zip([first || rim, b, c, d]).filter_map(|(side, has_it)| has_it.then_some(side))
+    }
+
+    /// The ids by which callers know its sides.
+    pub fn side_ids(&self) -> impl Iterator<Item = Id> + use<> {
+        (0..).zip(self.sides).filter(|(_, has_it)| *has_it).map(|(side, _)| FIRST_SIDE - side)
     }
 
     /// Whether a side or a wall has the temperature.
@@ -52,23 +58,18 @@ impl ThermalWalls {
         Err(Error::of("sides", "()", "at least one side or wall must have the temperature"))
     }
 
-    /// Why a container does not have its sides; None if it has them. All four are the whole wall of
-    /// a circle.
+    /// Why a container does not have its sides; None if it has them.
     pub(super) fn misfit(&self, container: Container) -> Option<&'static str> {
-        let [first, rest @ ..] = self.sides;
-        let (has_them, rule) = match container {
-            Container::Box { .. } => (true, ""),
-            Container::Circle { .. } => {
-                (rest == [first; 3] || rest == [false; 3], "a Circle has one side, 0")
-            }
-            Container::Torus { .. } => {
-                (!self.sides.contains(&true), "a periodic world has no sides")
-            }
-            Container::None => {
-                (!self.sides.contains(&true), "a world without a container has no sides")
-            }
+        let [flat @ .., rim] = self.sides;
+        let any = rim || flat.contains(&true);
+        let (is_wrong, rule) = match container {
+            Container::Box { .. } => (rim, "a Box has no RIM, -6"),
+            Container::Circle { .. } => (flat.contains(&true), "a Circle has one side, RIM, -6"),
+            Container::Torus { .. } => (any, "a periodic world has no sides"),
+            Container::None => (any, "a world without a container has no sides"),
         };
-        (!has_them).then_some(rule)
+        let is_all = self.sides == [true; KNOWN_SIDES] && container.has_sides();
+        (is_wrong && !is_all).then_some(rule)
     }
 }
 

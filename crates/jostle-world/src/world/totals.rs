@@ -3,16 +3,12 @@
 //! They are no part of the state. The sums of one process have the same bits for every number of threads, because
 //! each step adds its contacts and impacts in their canonical order.
 
-use crate::container::{Container, FIRST_SIDE};
+use crate::container::{Container, FIRST_SIDE, KNOWN_SIDES};
 use crate::events::Bounce;
-use crate::surface::MAX_SIDES;
 use crate::walls::index_of;
 use jostle_base::bytes::damaged;
 use jostle_base::error::Result;
 use jostle_base::{memory, plain, saved};
-
-/// Number of sides that callers know: those of a box, and the rim of a round container.
-const SIDES: usize = MAX_SIDES + 1;
 
 /// Impacts with an impulse, in the order of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,7 +35,7 @@ pub struct Totals {
     pub virial: [[f64; 2]; 2],
     /// Of each side, in the order of [`Container::side_id`], the impulses on particles along the normal and of
     /// friction.
-    pub sides: [[f64; 2]; SIDES],
+    pub sides: [[f64; 2]; KNOWN_SIDES],
     /// The impulses of each wall on particles; walls after the last one that gave any may be missing.
     pub walls: Vec<[f64; 2]>,
 }
@@ -90,7 +86,7 @@ pub(crate) struct StepSums {
     /// Its impacts.
     pub(crate) collisions: Collisions,
     virial: [[f64; 2]; 2],
-    sides: [[f64; 2]; SIDES],
+    sides: [[f64; 2]; KNOWN_SIDES],
     /// Walls and impulses.
     walls: Vec<(u32, [f64; 2])>,
 }

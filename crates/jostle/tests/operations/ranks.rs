@@ -206,7 +206,7 @@ impl RanksCase {
             1 => Some(Influence::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed })),
             2 => Some(Influence::ThermalWalls(ThermalWalls {
                 temperature: 2.0,
-                sides: [true; 4],
+                sides: [true; 5],
                 walls: WallIds::default(),
                 seed,
             })),

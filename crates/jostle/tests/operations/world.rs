@@ -238,7 +238,7 @@ impl WorldCase {
             5 => Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.5 }),
             6 => Influence::ThermalWalls(ThermalWalls {
                 temperature: 2.0,
-                sides: [true, false, true, true],
+                sides: [true, false, true, true, false],
                 walls: WallIds::default(),
                 seed,
             }),
