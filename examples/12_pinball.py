@@ -27,8 +27,8 @@ for screen in show.frames("Pinball", until=240):
     speeds = np.clip(60 * (goals - angles), -10, 10)  # radians per second
     angles += speeds / 60
     world.forces = [
-        jostle.Motor(ids, center=center, angular_velocity=speed)
-        for ids, center, speed in zip(paddles, (left[0], right[0]), speeds * (-1, 1))
+        jostle.Motor(ids, pivot=pivot, angular_velocity=speed)
+        for ids, pivot, speed in zip(paddles, (left[0], right[0]), speeds * (-1, 1))
     ]
     world.step(1 / 60)
     for a, b in world.walls.segments:

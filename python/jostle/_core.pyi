@@ -5165,8 +5165,8 @@ class Flocking:
 class Motor:
     """A prescribed motion of immovable particles and walls.
 
-    They rotate about a centre and move with a velocity, for example as the paddles of a mill, the
-    flippers of a pinball table or a piston. With a `period` the motion is reversed in its second
+    They rotate about a pivot and move with a velocity, for example as the paddles of a mill, the
+    flippers of a pinball table or a piston. With a `cycle` the motion is reversed in its second
     half. They push other particles and are not pushed. A motor is one of the `World.forces`.
 
     Parameters
@@ -5175,14 +5175,15 @@ class Motor:
         Ids of the immovable particles; if one is removed, the motor drives the others.
     walls : array_like of int, shape (m,), optional
         Ids of the walls. Walls do not rotate.
-    center : array_like, shape (2,), default (0.0, 0.0)
-        The centre of the rotation, in units of length. It moves with `velocity`.
+    pivot : array_like, shape (2,), optional
+        The centre of the rotation, in units of length. It moves with `velocity`. A motor that only
+        moves needs none.
     angular_velocity : float, default 0.0
         In radians per second, positive from +x to +y.
     velocity : array_like, shape (2,), default (0.0, 0.0)
         In units of length per second.
-    period : float, optional
-        Period in seconds, above 0. If omitted, the motion is not reversed.
+    cycle : float, optional
+        Seconds of the motion there and back, above 0. If omitted, the motion is not reversed.
 
     Raises
     ------
@@ -5190,8 +5191,8 @@ class Motor:
         If an argument has the wrong type.
     ValueError
         If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
-        not 0 for walls. When it is assigned to `World.forces`, also if a particle is movable or a
-        wall does not exist.
+        not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
+        particle is movable or a wall does not exist.
 
     See Also
     --------
@@ -5210,7 +5211,7 @@ class Motor:
 
     >>> import jostle, math
     >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], 0.5, movable=False)
-    >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
+    >>> world.forces = [jostle.Motor(world.ids, pivot=(1, 1), angular_velocity=4 * math.pi)]
     >>> world.step(1 / 80, steps=10)
     >>> world.positions[3].round(4).tolist()
     [1.0, 5.0]
@@ -5218,7 +5219,7 @@ class Motor:
     A piston that moves to the right for two seconds, then back:
 
     >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
-    >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
+    >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), cycle=4)]
     >>> world.step(1 / 60, steps=120)
     >>> world.walls.get(0).segments.round(4).tolist()
     [[2.0, 0.0], [2.0, 10.0]]
@@ -5230,10 +5231,10 @@ class Motor:
         ids: ArrayLike | None = None,
         *,
         walls: ArrayLike | None = None,
-        center: _Point = (0.0, 0.0),
+        pivot: _Point | None = None,
         angular_velocity: float = 0.0,
         velocity: _Point = (0.0, 0.0),
-        period: float | None = None,
+        cycle: float | None = None,
     ) -> Self: ...
     @property
     def ids(self) -> _Ids:
@@ -5242,7 +5243,7 @@ class Motor:
     def walls(self) -> NDArray[np.int64]:
         """Ids of the walls that it drives: read-only ndarray of int64, shape (m,)."""
     @property
-    def center(self) -> NDArray[np.float64]:
+    def pivot(self) -> NDArray[np.float64]:
         """The centre of the rotation at time 0, (x, y)."""
     @property
     def angular_velocity(self) -> float:
@@ -5251,8 +5252,8 @@ class Motor:
     def velocity(self) -> tuple[float, float]:
         """In units of length per second, (x, y)."""
     @property
-    def period(self) -> float | None:
-        """Period in seconds; None if the motion is not reversed."""
+    def cycle(self) -> float | None:
+        """Seconds of the motion there and back; None if it is not reversed."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...

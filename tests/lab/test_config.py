@@ -169,7 +169,7 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
         ),
         (WALL + "friction = -1", "line 3: walls[0].friction is -1; it must be a number from 0"),
         (WALL + "velocity = 3", "line 3: walls[0].velocity is 3; it must be [x, y], each a number"),
-        (WALL + "period = 0", "line 3: walls[0].period is 0; it must be a number from 0.001"),
+        (WALL + "cycle = 0", "line 3: walls[0].cycle is 0; it must be a number from 0.001"),
         (
             "container_restitution = [1, 1, 2, 1]",
             "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or",
@@ -292,7 +292,7 @@ points = [[10, 10], [60, 10]]
 points = [[10, 20], [60, 20], [60, 40]]
 temperature = 900
 velocity = [30, 0]
-period = 1
+cycle = 1
 [[walls]]
 points = [[5, 50], [20, 50]]
 temperature = 4
@@ -319,7 +319,7 @@ n = 20
 [[walls]]
 points = [[10, 10], [60, 10], [60, 40]]
 velocity = [30, 0]
-period = 1
+cycle = 1
 [[walls]]
 points = [[5, 50], [20, 50]]
 """

@@ -23,22 +23,22 @@ def world(**settings: Any) -> jostle.World:
 
 def test_they_are_values() -> None:
     motor = jostle.Motor(
-        [1, 0], walls=[1], center=(0.5, 1), velocity=(0, 2), angular_velocity=0, period=3
+        [1, 0], walls=[1], pivot=(0.5, 1), velocity=(0, 2), angular_velocity=0, cycle=3
     )
     assert (motor.ids.tolist(), motor.walls.tolist()) == ([1, 0], [1])
-    assert (motor.center, motor.velocity, motor.angular_velocity) == ((0.5, 1), (0, 2), 0)
-    assert motor.period == 3 and jostle.Motor([0]).period is None
+    assert (motor.pivot, motor.velocity, motor.angular_velocity) == ((0.5, 1), (0, 2), 0)
+    assert motor.cycle == 3 and jostle.Motor([0]).cycle is None
     assert repr(motor) == "<jostle.Motor of 2 particles and 1 walls>"
     assert all(way(motor) == motor for way in WAYS)
-    assert motor != jostle.Motor([1, 0], walls=[1], center=(0.5, 1), velocity=(0, 2))
+    assert motor != jostle.Motor([1, 0], walls=[1], pivot=(0.5, 1), velocity=(0, 2))
     moved = world(forces=[motor])
     assert moved.forces == (motor,)
     assert jostle.World.restore(moved.snapshot()).forces == (motor,)
 
 
 def test_a_motor_drives_particles_and_walls() -> None:
-    turning = jostle.Motor([0, 1], angular_velocity=math.pi / 2)
-    lift = jostle.Motor(walls=[0], velocity=(0, 1), period=4)
+    turning = jostle.Motor([0, 1], pivot=(0, 0), angular_velocity=math.pi / 2)
+    lift = jostle.Motor(walls=[0], velocity=(0, 1), cycle=4)
     driven = world(forces=[turning, lift])
     driven.step(STEP, steps=120)
     np.testing.assert_allclose(driven.positions[:2], [(-1, 0), (-2, 0)], atol=1e-5)
@@ -62,12 +62,17 @@ def test_ids_stay_when_others_are_removed() -> None:
     [
         (lambda: jostle.Motor([0, 1, 0]), ValueError, "ids[2] is 0; it is given twice"),
         (lambda: jostle.Motor(walls=[-1]), ValueError, "walls[0] is -1; no wall has"),
-        (lambda: jostle.Motor([0], period=0), ValueError, "period is 0; it must be above 0"),
-        (lambda: jostle.Motor([0], period=math.nan), ValueError, "period is NaN; it must be"),
-        (lambda: jostle.Motor([0], center=(0, math.inf)), ValueError, "center is (0, inf); both"),
+        (lambda: jostle.Motor([0], cycle=0), ValueError, "cycle is 0; it must be above 0"),
+        (lambda: jostle.Motor([0], cycle=math.nan), ValueError, "cycle is NaN; it must be"),
+        (lambda: jostle.Motor([0], pivot=(0, math.inf)), ValueError, "pivot is (0, inf); both"),
         (lambda: jostle.Motor([0], velocity=(1, 2, 3)), ValueError, "velocity has shape (3,)"),
         (
-            lambda: jostle.Motor(walls=[0], angular_velocity=1),
+            lambda: jostle.Motor([0], angular_velocity=1),
+            ValueError,
+            "pivot is None; a motor with an angular_velocity needs the centre of the rotation",
+        ),
+        (
+            lambda: jostle.Motor(walls=[0], pivot=(0, 0), angular_velocity=1),
             ValueError,
             "angular_velocity is 1; walls do not turn",
         ),

@@ -19,10 +19,10 @@ const GRAVITY: f32 = 900.0;
 pub(crate) const MOTOR: Motor = Motor {
     ids: Vec::new(),
     walls: WallIds(Vec::new()),
-    center: [0.0; 2],
+    pivot: [0.0; 2],
     angular_velocity: 0.0,
     velocity: [0.0; 2],
-    period: f32::INFINITY,
+    cycle: f32::INFINITY,
 };
 
 const GAS_RADIUS: f32 = 3.0;
@@ -33,8 +33,8 @@ const GAS_SPEED: f32 = 200.0;
 const CYLINDER: f32 = 1.6;
 const STROKE: f32 = 0.5;
 
-/// Period of the piston in seconds.
-const PISTON_PERIOD: f32 = 16.0;
+/// Seconds of the piston there and back.
+const PISTON_CYCLE: f32 = 16.0;
 
 /// Length and height of the cylinder.
 fn cylinder(n: usize) -> [f32; 2] {
@@ -59,12 +59,12 @@ pub(crate) fn piston(n: usize, random: &mut Random) -> Result<Start> {
     start.walls.push(Wall::new([[length, 0.0], [length, height]]));
     let middle = 0.5 * height;
     start.walls.push(Wall::new([[length, middle], [(1.0 + STROKE) * length, middle]]));
-    // Half of the period in either direction: the stroke over half a period.
-    let velocity = [-2.0 * STROKE * length / PISTON_PERIOD, 0.0];
+    // Half of the cycle in either direction: the stroke over half a cycle.
+    let velocity = [-2.0 * STROKE * length / PISTON_CYCLE, 0.0];
     Ok(start.with(Influence::Motor(Motor {
         walls: WallIds(vec![0, 1]),
         velocity,
-        period: PISTON_PERIOD,
+        cycle: PISTON_CYCLE,
         ..MOTOR
     })))
 }

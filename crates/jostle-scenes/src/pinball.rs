@@ -50,8 +50,8 @@ const REST_ANGLE: f64 = 0.45;
 const SWING: f32 = 0.9;
 
 /// Periods in seconds of the flippers, and of the floor between them, which throws balls back.
-const FLIPPER_PERIOD: f32 = 0.5;
-const FLOOR_PERIOD: f32 = 0.2;
+const FLIPPER_CYCLE: f32 = 0.5;
+const FLOOR_CYCLE: f32 = 0.2;
 const FLOOR_SPEED: f32 = 700.0;
 
 /// Factor of all lengths.
@@ -107,7 +107,7 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Result<Start> {
     Ok(start.with(Influence::Motor(Motor {
         walls: WallIds(vec![floor]),
         velocity: [0.0, -FLOOR_SPEED],
-        period: FLOOR_PERIOD,
+        cycle: FLOOR_CYCLE,
         ..MOTOR
     })))
 }
@@ -133,9 +133,9 @@ fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Result<Moto
     let upwards = if is_right { SWING } else { -SWING };
     Ok(Motor {
         ids: (first..particles.len() as i64).collect(),
-        center: mirrored(PIVOT, is_right).map(|v| v * width),
-        angular_velocity: 2.0 * upwards / FLIPPER_PERIOD,
-        period: FLIPPER_PERIOD,
+        pivot: mirrored(PIVOT, is_right).map(|v| v * width),
+        angular_velocity: 2.0 * upwards / FLIPPER_CYCLE,
+        cycle: FLIPPER_CYCLE,
         ..MOTOR
     })
 }

@@ -13,10 +13,10 @@ fn motor(ids: &[i64], walls: &[i64]) -> Motor {
     Motor {
         ids: ids.to_vec(),
         walls: WallIds(walls.to_vec()),
-        center: [0.0; 2],
+        pivot: [0.0; 2],
         angular_velocity: 0.0,
         velocity: [0.0; 2],
-        period: f32::INFINITY,
+        cycle: f32::INFINITY,
     }
 }
 
@@ -30,17 +30,17 @@ fn discs(driven: &[[f32; 2]], free: &[[f32; 2]]) -> Particles {
 
 #[test]
 fn a_paddle_turns_about_its_centre_for_an_hour() {
-    let center = [3.0, -2.0];
-    let at = [1.0f32, 2.0, 3.0].map(|x| [center[0] + x, center[1]]);
+    let pivot = [3.0, -2.0];
+    let at = [1.0f32, 2.0, 3.0].map(|x| [pivot[0] + x, pivot[1]]);
     let mut world = world_of(discs(&at, &[]), WorldSettings::default());
     let angular_velocity = 1.7;
-    let turning = Motor { center, angular_velocity, ..motor(&[0, 1, 2], &[]) };
+    let turning = Motor { pivot, angular_velocity, ..motor(&[0, 1, 2], &[]) };
     world.set_forces(vec![Influence::Motor(turning)]).unwrap();
     run(&mut world, 60 * 3600);
     let angle = f64::from(angular_velocity) * world.time();
     for (k, [x, y]) in world.bodies().positions().unwrap().into_iter().enumerate() {
         let radius = 1.0 + k as f64;
-        let [dx, dy] = [x - center[0], y - center[1]].map(f64::from);
+        let [dx, dy] = [x - pivot[0], y - pivot[1]].map(f64::from);
         assert!((dx.hypot(dy) - radius).abs() < 2e-3, "{k}: {}", dx.hypot(dy));
         let off = (dy.atan2(dx) - angle).rem_euclid(TAU);
         assert!(off.min(TAU - off) < 2e-3, "{k}: {off}");
@@ -56,8 +56,8 @@ fn the_motion_does_not_depend_on_the_steps() {
         let settings = WorldSettings::default();
         let mut world =
             walled(discs(&[[1.0, 0.0]], &[]), vec![Wall::new([[9.0, 0.0], [9.0, 1.0]])], settings);
-        let swing = Motor { angular_velocity: 0.8, period: 1.3, ..motor(&[0], &[]) };
-        let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
+        let swing = Motor { angular_velocity: 0.8, cycle: 1.3, ..motor(&[0], &[]) };
+        let piston = Motor { velocity: [2.0, 1.0], cycle: 0.7, ..motor(&[], &[0]) };
         world.set_forces(vec![Influence::Motor(swing), Influence::Motor(piston)]).unwrap();
         world.step(dt, steps).unwrap();
         (world.bodies().positions().unwrap()[0], world.walls()[0].ends)
@@ -119,7 +119,7 @@ fn mill(method: Method, threads: usize) -> World {
     let ids: Vec<i64> = (0..paddles.len() as i64).collect();
     let mut world = walled(all, vec![Wall::new([[-3.0, -8.0], [3.0, -8.0]])], settings);
     let turning = Motor { angular_velocity: 2.0, ..motor(&ids, &[]) };
-    let piston = Motor { velocity: [0.0, 0.7], period: 1.1, ..motor(&[], &[0]) };
+    let piston = Motor { velocity: [0.0, 0.7], cycle: 1.1, ..motor(&[], &[0]) };
     world.set_forces(vec![Influence::Motor(turning), Influence::Motor(piston)]).unwrap();
     world
 }
@@ -156,7 +156,7 @@ fn grains_on_a_paddle_do_not_sleep_and_others_do() {
         ..WorldSettings::default()
     };
     let mut world = world_of(all, settings);
-    let lift = Motor { velocity: [0.0, 0.5], period: 4.0, ..motor(&[0], &[]) };
+    let lift = Motor { velocity: [0.0, 0.5], cycle: 4.0, ..motor(&[0], &[]) };
     world.set_forces(vec![Influence::Motor(lift)]).unwrap();
     run(&mut world, 120);
     assert_eq!(world.bodies().asleep().unwrap(), [false, true]);
@@ -175,7 +175,7 @@ fn a_step_that_fails_leaves_the_velocities() {
         WorldSettings::default(),
     );
     let turning = Motor { angular_velocity: 1.0, velocity: [1.0, 0.0], ..motor(&[0], &[]) };
-    let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
+    let piston = Motor { velocity: [2.0, 1.0], cycle: 0.7, ..motor(&[], &[0]) };
     world.set_forces(vec![Influence::Motor(turning), Influence::Motor(piston)]).unwrap();
     let before = world.snapshot().unwrap();
     assert!(world.step(1e30, 1).is_err());
@@ -194,8 +194,8 @@ fn motors_of_what_cannot_be_driven_are_refused() {
     assert!(refusal(&mut world, motor(&[3], &[])).contains("no particle has this id"));
     assert!(refusal(&mut world, motor(&[], &[0])).contains("no wall has this id"));
     assert!(refusal(&mut world, motor(&[0, 1, 0], &[])).starts_with("ids[2] is 0"));
-    let endless = Motor { period: 0.0, ..motor(&[0], &[]) };
-    assert!(refusal(&mut world, endless).starts_with("period is 0"));
+    let endless = Motor { cycle: 0.0, ..motor(&[0], &[]) };
+    assert!(refusal(&mut world, endless).starts_with("cycle is 0"));
     let turning = Motor { angular_velocity: 1.0, ..motor(&[], &[0]) };
     assert!(refusal(&mut world, turning).contains("walls do not turn"));
     world.set_walls(vec![Wall::new([[0.0, 5.0], [1.0, 5.0]])]).unwrap();

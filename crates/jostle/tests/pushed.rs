@@ -9,15 +9,15 @@ use crate::common::worlds::{STEP, bouncing, discs, moving, run, still, walled, w
 
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
 
-fn motor(walls: &[i64], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Influence {
-    let (center, angular_velocity) = ([0.0; 2], 0.0);
+fn motor(walls: &[i64], ids: Vec<i64>, velocity: [f32; 2], cycle: f32) -> Influence {
+    let (pivot, angular_velocity) = ([0.0; 2], 0.0);
     Influence::Motor(Motor {
         ids,
         walls: WallIds(walls.to_vec()),
-        center,
+        pivot,
         angular_velocity,
         velocity,
-        period,
+        cycle,
     })
 }
 
@@ -239,9 +239,9 @@ fn pressed(both: bool, gap: f32, speed: f32, restitution: f32, substeps: usize) 
     let walls = [-2.0, 2.0].map(|x| Wall::new([[x, -9.0], [x, 9.0]]));
     world.set_walls(walls.to_vec()).expect("valid");
     let way = (4.0 - gap) / if both { 2.0 } else { 1.0 };
-    let period = 2.0 * way / speed;
-    let left = motor(&[0], vec![], [speed, 0.0], period);
-    let right = motor(&[1], vec![], [-speed, 0.0], period);
+    let cycle = 2.0 * way / speed;
+    let left = motor(&[0], vec![], [speed, 0.0], cycle);
+    let right = motor(&[1], vec![], [-speed, 0.0], cycle);
     world.set_forces(if both { vec![left, right] } else { vec![left] }).expect("valid");
     world
 }

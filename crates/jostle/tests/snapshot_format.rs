@@ -49,10 +49,10 @@ fn asleep() -> World {
     let motor = Motor {
         ids: vec![7],
         walls: WallIds::default(),
-        center: [10.0, 2.5],
+        pivot: [10.0, 2.5],
         angular_velocity: 0.5,
         velocity: [0.0; 2],
-        period: f32::INFINITY,
+        cycle: f32::INFINITY,
     };
     let mut world = forced(all, vec![spring(0, 1), Influence::Motor(motor)], settings);
     let surface = Surface { restitution: Some(0.5), friction: Some(0.3) };

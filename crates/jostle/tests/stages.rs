@@ -135,9 +135,9 @@ fn belt() -> World {
         damping: 0.5,
         max_stretch: f32::INFINITY,
     };
-    let (center, velocity) = ([18.0; 2], [0.0, 2.0]);
+    let (pivot, velocity) = ([18.0; 2], [0.0, 2.0]);
     let (ids, walls) = (vec![60], WallIds::default());
-    let motor = Motor { ids, walls, center, angular_velocity: 1.5, velocity, period: 0.5 };
+    let motor = Motor { ids, walls, pivot, angular_velocity: 1.5, velocity, cycle: 0.5 };
     let springs = Springs(vec![spring([0, 1]), spring([1, 2]), spring([30, 40])]);
     world.set_forces(vec![Influence::Springs(springs), Influence::Motor(motor)]).unwrap();
     world

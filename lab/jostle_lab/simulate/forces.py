@@ -19,7 +19,7 @@ from jostle_lab.simulate.settings import Polyline
 
 Attractors = tuple[Attractor, ...]
 
-ARGUMENTS = ("ids", "walls", "center", "angular_velocity", "velocity", "period")  # of a motor
+ARGUMENTS = ("ids", "walls", "pivot", "angular_velocity", "velocity", "cycle")  # of a motor
 
 
 def kind_count(world: jostle.World) -> int | None:
@@ -46,11 +46,9 @@ def set_matrix(world: jostle.World, matrix: str | Sequence[Sequence[float]]) -> 
 
 
 def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
-    """Return forces whose motors have shifted centres."""
+    """Return forces whose motors have shifted pivots."""
     return tuple(
-        _with(force, center=np.array(force.center) + by)
-        if isinstance(force, jostle.Motor)
-        else force
+        _with(force, pivot=np.array(force.pivot) + by) if isinstance(force, jostle.Motor) else force
         for force in forces
     )
 
@@ -133,7 +131,7 @@ class WallSegments:
             one_way=line.one_way, categories=line.categories, masks=line.masks,
         )  # fmt: skip
         if any(line.velocity) and len(new):
-            motor = jostle.Motor(walls=ids, velocity=line.velocity, period=line.period)
+            motor = jostle.Motor(walls=ids, velocity=line.velocity, cycle=line.cycle)
             world.forces = (*world.forces, motor)
         if line.temperature is not None and len(new):
             world.forces = (*world.forces, jostle.ThermalWalls(line.temperature, walls=ids))

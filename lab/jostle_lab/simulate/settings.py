@@ -110,8 +110,8 @@ class Polyline:
     restitution: float | None = limited(or_none(real(0, 1)), None)
     friction: float | None = limited(or_none(real(0)), None)  # that of the particle, if None
     velocity: Vector = limited(VECTOR, (0.0, 0.0))  # world units per second
-    # Of the motion back and forth, in seconds; without it if None.
-    period: float | None = limited(or_none(real(0.001)), None)
+    # Seconds of the motion there and back; without it if None.
+    cycle: float | None = limited(or_none(real(0.001)), None)
     temperature: float | None = limited(or_none(real(1e-6)), None)  # kT of thermal walls
     one_way: bool = limited(TRUTH, False)  # solid for what comes from the left of start → end
     categories: int = limited(_BITS, 1)  # bit sets, as those of `jostle.World.walls`

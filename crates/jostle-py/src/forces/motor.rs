@@ -1,17 +1,18 @@
 //! `jostle.Motor`.
 
-use jostle_base::Id;
+use jostle_base::{Error, Id};
 use jostle_world::forces::{Motor, WallIds};
 use pyo3::prelude::*;
 
 use super::arguments::arguments;
 use super::{real, real_or, valid};
 use crate::arrays::{Given, long_ids, point};
+use crate::error::refused;
 
 /// A prescribed motion of immovable particles and walls.
 ///
-/// They rotate about a centre and move with a velocity, for example as the paddles of a mill, the
-/// flippers of a pinball table or a piston. With a `period` the motion is reversed in its second
+/// They rotate about a pivot and move with a velocity, for example as the paddles of a mill, the
+/// flippers of a pinball table or a piston. With a `cycle` the motion is reversed in its second
 /// half. They push other particles and are not pushed. A motor is one of the `World.forces`.
 ///
 /// Parameters
@@ -20,14 +21,15 @@ use crate::arrays::{Given, long_ids, point};
 ///     Ids of the immovable particles; if one is removed, the motor drives the others.
 /// walls : array_like of int, shape (m,), optional
 ///     Ids of the walls. Walls do not rotate.
-/// center : array_like, shape (2,), default (0.0, 0.0)
-///     The centre of the rotation, in units of length. It moves with `velocity`.
+/// pivot : array_like, shape (2,), optional
+///     The centre of the rotation, in units of length. It moves with `velocity`. A motor that only
+///     moves needs none.
 /// angular_velocity : float, default 0.0
 ///     In radians per second, positive from +x to +y.
 /// velocity : array_like, shape (2,), default (0.0, 0.0)
 ///     In units of length per second.
-/// period : float, optional
-///     Period in seconds, above 0. If omitted, the motion is not reversed.
+/// cycle : float, optional
+///     Seconds of the motion there and back, above 0. If omitted, the motion is not reversed.
 ///
 /// Raises
 /// ------
@@ -35,8 +37,8 @@ use crate::arrays::{Given, long_ids, point};
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
-///     not 0 for walls. When it is assigned to `World.forces`, also if a particle is movable or a
-///     wall does not exist.
+///     not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
+///     particle is movable or a wall does not exist.
 ///
 /// See Also
 /// --------
@@ -55,7 +57,7 @@ use crate::arrays::{Given, long_ids, point};
 ///
 /// >>> import jostle, math
 /// >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], 0.5, movable=False)
-/// >>> world.forces = [jostle.Motor(world.ids, center=(1, 1), angular_velocity=4 * math.pi)]
+/// >>> world.forces = [jostle.Motor(world.ids, pivot=(1, 1), angular_velocity=4 * math.pi)]
 /// >>> world.step(1 / 80, steps=10)
 /// >>> world.positions[3].round(4).tolist()
 /// [1.0, 5.0]
@@ -63,7 +65,7 @@ use crate::arrays::{Given, long_ids, point};
 /// A piston that moves to the right for two seconds, then back:
 ///
 /// >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
-/// >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), period=4)]
+/// >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), cycle=4)]
 /// >>> world.step(1 / 60, steps=120)
 /// >>> world.walls.get(0).segments.round(4).tolist()
 /// [[2.0, 0.0], [2.0, 10.0]]
@@ -76,32 +78,36 @@ impl PyMotor {
     #[new]
     #[pyo3(
         signature = (
-            ids=None, *, walls=None, center=Given::NOTHING, angular_velocity=Given::NOTHING,
-            velocity=Given::NOTHING, period=None,
+            ids=None, *, walls=None, pivot=None, angular_velocity=Given::NOTHING,
+            velocity=Given::NOTHING, cycle=None,
         ),
-        text_signature = "(ids=None, *, walls=None, center=(0.0, 0.0), angular_velocity=0.0, \
-                          velocity=(0.0, 0.0), period=None)"
+        text_signature = "(ids=None, *, walls=None, pivot=None, angular_velocity=0.0, \
+                          velocity=(0.0, 0.0), cycle=None)"
     )]
     fn new(
         ids: Option<&Bound<'_, PyAny>>,
         walls: Option<&Bound<'_, PyAny>>,
-        center: Given<'_>,
+        pivot: Option<&Bound<'_, PyAny>>,
         angular_velocity: Given<'_>,
         velocity: Given<'_>,
-        period: Option<&Bound<'_, PyAny>>,
+        cycle: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let all = |name, value: Option<&Bound<'_, PyAny>>, of| -> PyResult<Vec<Id>> {
             value.map_or(Ok(Vec::new()), |value| Ok(long_ids(name, value, of)?.rows(1)))
         };
-        let pair = |name, given: &Given<'_>| given.value().map_or(Ok([0.0; 2]), |v| point(name, v));
+        let pair = |name, given: Option<_>| given.map_or(Ok([0.0; 2]), |value| point(name, value));
         let motor = Motor {
             ids: all("ids", ids, "particle")?,
             walls: WallIds(all("walls", walls, "wall")?),
-            center: pair("center", &center)?,
+            pivot: pair("pivot", pivot)?,
             angular_velocity: real_or("angular_velocity", &angular_velocity, 0.0)?,
-            velocity: pair("velocity", &velocity)?,
-            period: period.map_or(Ok(f32::INFINITY), |value| real("period", value))?,
+            velocity: pair("velocity", velocity.value())?,
+            cycle: cycle.map_or(Ok(f32::INFINITY), |value| real("cycle", value))?,
         };
+        if pivot.is_none() && motor.angular_velocity != 0.0 {
+            let rule = "a motor with an angular_velocity needs the centre of the rotation";
+            return Err(refused(Error::of("pivot", "None", rule)));
+        }
         Ok(Self(valid(motor, Motor::validate)?))
     }
 
@@ -120,12 +126,12 @@ arguments! {
         /// Ids of the walls that it drives: read-only ndarray of int64, shape (m,).
         walls: |own| own.0.walls.0.clone();
         /// The centre of the rotation at time 0, (x, y).
-        center: |own| own.0.center;
+        pivot: |own| own.0.pivot;
         /// In radians per second.
         angular_velocity: |own| own.0.angular_velocity;
         /// In units of length per second, (x, y).
         velocity: |own| own.0.velocity;
-        /// Period in seconds; None if the motion is not reversed.
-        period: |own| Some(own.0.period).filter(|period| period.is_finite());
+        /// Seconds of the motion there and back; None if it is not reversed.
+        cycle: |own| Some(own.0.cycle).filter(|cycle| cycle.is_finite());
     }
 }

@@ -12,7 +12,7 @@ use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 
 record! {
-    /// A rotation about a centre and a translation, both reversed in the second half of each period.
+    /// A rotation about a pivot and a translation, both reversed in the second half of each cycle.
     #[derive(Clone, Debug, PartialEq)]
     pub struct Motor {
         /// The immovable particles that it drives.
@@ -20,24 +20,24 @@ record! {
         /// The ids of the walls that it drives. Walls do not rotate.
         pub walls: WallIds,
         /// The centre of the rotation at time 0. It moves with the translation.
-        pub center: [f32; 2],
+        pub pivot: [f32; 2],
         /// Radians per second.
         pub angular_velocity: f32,
         /// Units of length per second.
         pub velocity: [f32; 2],
-        /// Period in seconds; infinite if the motion is never reversed.
-        pub period: f32,
+        /// Seconds of the motion there and back; infinite if it is never reversed.
+        pub cycle: f32,
     }
 }
 
 impl Motor {
     /// Refuses numbers out of range, and a particle or a wall that is named twice.
     pub fn validate(&self) -> Result<()> {
-        check_pair("center", self.center)?;
+        check_pair("pivot", self.pivot)?;
         check_pair("velocity", self.velocity)?;
         check_number("angular_velocity", self.angular_velocity, -FARTHEST)?;
-        if self.period.is_nan() || self.period <= 0.0 {
-            return Err(Error::of("period", self.period, "it must be above 0"));
+        if self.cycle.is_nan() || self.cycle <= 0.0 {
+            return Err(Error::of("cycle", self.cycle, "it must be above 0"));
         }
         if self.angular_velocity != 0.0 && !self.walls.0.is_empty() {
             let rule = "walls do not turn, so it must be 0 for a motor that drives walls";
@@ -49,14 +49,14 @@ impl Motor {
 
     /// Seconds of forward motion minus seconds of backward motion since time 0.
     fn progress(&self, time: f64) -> f64 {
-        let period = f64::from(self.period);
-        if period == f64::INFINITY {
+        let cycle = f64::from(self.cycle);
+        if cycle == f64::INFINITY {
             return time;
         }
-        // A triangle wave: forwards in the first half of each period, backwards in the second. It
+        // A triangle wave: forwards in the first half of each cycle, backwards in the second. It
         // is a function of the time, so no error adds up from step to step.
-        let phase = time - period * (time / period).floor();
-        phase.min(period - phase)
+        let phase = time - cycle * (time / cycle).floor();
+        phase.min(cycle - phase)
     }
 
     /// Its motion in a step of `dt` seconds that begins at `time`.
@@ -67,7 +67,7 @@ impl Motor {
         let share = (end - start) / dt;
         Drive {
             seconds: dt,
-            center: [0, 1].map(|k| f64::from(self.center[k]) + along[k]),
+            pivot: [0, 1].map(|k| f64::from(self.pivot[k]) + along[k]),
             turn: turn(f64::from(self.angular_velocity) * (end - start)),
             angular_velocity: (f64::from(self.angular_velocity) * share) as f32,
             velocity: self.velocity.map(|v| f64::from(v) * share),
@@ -79,7 +79,7 @@ impl Motor {
 #[derive(Clone, Copy, Debug)]
 pub struct Drive {
     seconds: f64,
-    center: [f64; 2],
+    pivot: [f64; 2],
     /// Cosine minus 1 and sine of the angle.
     turn: [f64; 2],
     /// Radians per second.
@@ -102,7 +102,7 @@ impl Drive {
 
     /// The offset of a position from the centre of the rotation.
     pub fn offset(&self, position: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|k| position[k] - self.center[k])
+        [0, 1].map(|k| position[k] - self.pivot[k])
     }
 }
 
@@ -146,14 +146,14 @@ mod tests {
     }
 
     #[test]
-    fn it_goes_back_in_the_second_half_of_the_period() {
+    fn it_goes_back_in_the_second_half_of_the_cycle() {
         let motor = Motor {
             ids: vec![],
             walls: WallIds(vec![0]),
-            center: [0.0; 2],
+            pivot: [0.0; 2],
             angular_velocity: 0.0,
             velocity: [2.0, 0.0],
-            period: 4.0,
+            cycle: 4.0,
         };
         let velocity = |time, dt| motor.drive(time, dt).velocity()[0];
         assert_eq!([velocity(0.0, 1.0), velocity(1.0, 1.0)], [2.0; 2]);

@@ -253,10 +253,10 @@ impl WorldCase {
                 Influence::Motor(Motor {
                     ids,
                     walls: WallIds(walls),
-                    center: [5.0; 2],
+                    pivot: [5.0; 2],
                     angular_velocity: 1.0,
                     velocity: [1.0, 0.5],
-                    period: 0.7,
+                    cycle: 0.7,
                 })
             }
             _ => Influence::Flocking(Flocking {
