@@ -68,10 +68,10 @@ class Plain:
 def world_of(positions: Numbers, kinds: NDArray[np.int64], side: float) -> jostle.World:
     """Return the same particles in jostle."""
     force = jostle.PairForce.particle_life(
-        kinds, life.MATRICES["dragons"], CUTOFF, CORE, strength=STRENGTH
+        life.MATRICES["dragons"], CUTOFF, CORE, strength=STRENGTH
     )
     rules = {"on_touch": "ignore", "drag": DRAG, "forces": [force], "threads": 1}
-    return jostle.World(positions, 2.0, masses=1.0, period=side, **rules)
+    return jostle.World(positions, 2.0, masses=1.0, kinds=kinds, period=side, **rules)
 
 
 def measure(n: int) -> Row:

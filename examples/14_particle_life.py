@@ -14,13 +14,12 @@ world = jostle.World(
     rng.uniform((0, 0), show.SIZE, (n, 2)),
     2.0,
     masses=1.0,
+    kinds=kinds,
     period=show.SIZE,
     on_touch="ignore",
     drag=10.0,
     forces=[
-        jostle.PairForce.particle_life(
-            kinds, jostle.life.MATRICES["dragons"], cutoff=36.0, strength=120.0
-        )
+        jostle.PairForce.particle_life(jostle.life.MATRICES["dragons"], cutoff=36.0, strength=120.0)
     ],
 )
 

@@ -4816,17 +4816,17 @@ class Springs:
         """Ids of the ends: read-only ndarray of int64, shape (m, 2)."""
     @property
     def lengths(self) -> NDArray[np.float32]:
-        """Lengths at rest: ndarray of float32, shape (m,)."""
+        """Lengths at rest: read-only ndarray of float32, shape (m,)."""
     @property
     def stiffness(self) -> NDArray[np.float32]:
-        """Force per unit of stretch: ndarray of float32, shape (m,)."""
+        """Force per unit of stretch: read-only ndarray of float32, shape (m,)."""
     @property
     def damping(self) -> NDArray[np.float32]:
-        """Force per unit of speed: ndarray of float32, shape (m,)."""
+        """Force per unit of speed: read-only ndarray of float32, shape (m,)."""
     @property
     def max_stretch(self) -> NDArray[np.float32]:
-        """Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
-        breaks.
+        """Stretch beyond which each breaks: read-only ndarray of float32, shape (m,); infinite if it
+        never breaks.
         """
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -4844,8 +4844,6 @@ class PairForce:
 
     Parameters
     ----------
-    kinds : array_like of int, shape (n,)
-        The kind of each particle of the world, from 0 to K - 1.
     table : array_like, shape (K, K, m)
         ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``.
         It is positive if kind a is repelled. K is at most 64, m at least 2.
@@ -4861,9 +4859,8 @@ class PairForce:
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
-        assigned to `World.forces`, also if there is not one kind for each particle, another `PairForce`
-        has other kinds, or the cutoff is too large for the torus.
+        If a shape is wrong or a number is out of range. When it is assigned to `World.forces`, also if
+        the table does not have the kind of a particle, or the cutoff is too large for the torus.
 
     See Also
     --------
@@ -4872,13 +4869,12 @@ class PairForce:
 
     Notes
     -----
-    Kinds belong to the particles: all `PairForce` of a world have the same. Assigning forces replaces
-    them. Particles keep their kind when others are added or removed. Those that `World.add` adds have
-    kind 0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
-    act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
-    its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
-    length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`
-    includes forces that are equal and opposite for all kinds.
+    Kinds belong to the particles: `World.kinds` has them, and they are the same for all `PairForce` of
+    a world. Merged particles have the kind of the heaviest. The forces act at the positions in the
+    middle of a sub-step (leapfrog), the damping with the velocities at its beginning. If no other
+    force acts and nothing rests, a step has one sub-step; choose the length of a step for the
+    steepest force, or more `World.substeps`. `World.potential_energy` includes forces that are
+    equal and opposite for all kinds.
 
     Examples
     --------
@@ -4886,21 +4882,18 @@ class PairForce:
 
     >>> import jostle
     >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
-    >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
-    >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, forces=[force])
+    >>> force = jostle.PairForce(table, cutoff=5.0)
+    >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, kinds=[0, 1], forces=[force])
     >>> world.step(0.1, steps=10)
     >>> world.velocities.round(3)
     array([[1., 0.],
            [1., 0.]], dtype=float32)
     """
 
-    __match_args__: Final = ("kinds", "table", "cutoff", "damping")
-    def __new__(
-        cls, kinds: ArrayLike, table: ArrayLike, cutoff: _Number, damping: _Number = 0.0
-    ) -> Self: ...
+    __match_args__: Final = ("table", "cutoff")
+    def __new__(cls, table: ArrayLike, cutoff: _Number, *, damping: _Number = 0.0) -> Self: ...
     @staticmethod
     def particle_life(
-        kinds: ArrayLike,
         matrix: ArrayLike,
         cutoff: _Number,
         core: _Number = 0.3,
@@ -4915,8 +4908,6 @@ class PairForce:
 
         Parameters
         ----------
-        kinds : array_like of int, shape (n,)
-            The kind of each particle, from 0 to K - 1.
         matrix : array_like, shape (K, K)
             Attraction of kind a (row) by kind b (column), usually -1 to 1; negative values repel.
         cutoff : float
@@ -4947,15 +4938,12 @@ class PairForce:
         Examples
         --------
         >>> import jostle
-        >>> kinds = np.arange(1000) % 2
-        >>> force = jostle.PairForce.particle_life(kinds, [[1, -0.5], [0.5, 1]], cutoff=4.0)
+        >>> force = jostle.PairForce.particle_life([[1, -0.5], [0.5, 1]], cutoff=4.0)
         >>> force.table.shape
         (2, 2, 21)
         """
     @staticmethod
-    def lennard_jones(
-        kinds: ArrayLike, epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number
-    ) -> PairForce:
+    def lennard_jones(epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number) -> PairForce:
         """The Lennard-Jones force, truncated at the cutoff.
 
         The potential energy is ``4 * epsilon * ((sigma / d)**12 - (sigma / d)**6)``, shifted to 0 at
@@ -4963,8 +4951,6 @@ class PairForce:
 
         Parameters
         ----------
-        kinds : array_like of int, shape (n,)
-            The kind of each particle, from 0 to K - 1.
         epsilon : array_like, a number or shape (K, K)
             Depth of the potential, in units of energy, at least 0.
         sigma : array_like, a number or shape (K, K)
@@ -5000,7 +4986,7 @@ class PairForce:
         Examples
         --------
         >>> import jostle
-        >>> force = jostle.PairForce.lennard_jones([0, 0], epsilon=1.0, sigma=1.0, cutoff=2.5)
+        >>> force = jostle.PairForce.lennard_jones(epsilon=1.0, sigma=1.0, cutoff=2.5)
         >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
         >>> world = jostle.World(apart, 0.1, on_touch="ignore", forces=[force])
         >>> round(world.potential_energy(), 3)
@@ -5008,14 +4994,12 @@ class PairForce:
         """
     @staticmethod
     def soft_discs(
-        kinds: ArrayLike, stiffness: ArrayLike, diameters: ArrayLike, damping: _Number = 0.0
+        stiffness: ArrayLike, diameters: ArrayLike, *, damping: _Number = 0.0
     ) -> PairForce:
         """Soft discs, which repel each other with a force proportional to their overlap.
 
         Parameters
         ----------
-        kinds : array_like of int, shape (n,)
-            The kind of each particle, from 0 to K - 1.
         stiffness : array_like, a number or shape (K, K)
             Force per unit of overlap, at least 0.
         diameters : array_like, a number or shape (K, K)
@@ -5040,14 +5024,11 @@ class PairForce:
         Examples
         --------
         >>> import jostle
-        >>> force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0)
+        >>> force = jostle.PairForce.soft_discs(stiffness=100.0, diameters=2.0)
         >>> world = jostle.World([(0, 0), (1, 0)], 1, on_touch="ignore", forces=[force])
         >>> world.potential_energy()
         50.0
         """
-    @property
-    def kinds(self) -> NDArray[np.uint8]:
-        """The kind of each particle: read-only ndarray of uint8, shape (n,)."""
     @property
     def table(self) -> NDArray[np.float32]:
         """The forces: read-only ndarray of float32, shape (K, K, m)."""
@@ -5324,15 +5305,14 @@ class ThermalWalls:
     temperature : float
         Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
         particle, in units of mass times length² per second².
-    sides : array_like of int, shape (k,), optional
-        Numbers of the sides: 0 to 3 at min x, max x, min y and max y.
-        The wall of a `Circle` is given by 0, or by all four. If omitted, all sides, or none if `walls`
-        is given.
-    seed : int, default 0
-        Seed of the random numbers, below 2³².
-    walls : array_like of int, shape (m,), optional
+    sides : Side or array_like of Side, shape (k,), optional
+        Sides of the container. If omitted, or all of `Side`, those that it has; if omitted and `walls` is
+        given, none.
+    walls : int or array_like of int, shape (m,), optional
         Ids of line segments of `World.walls`, which have the temperature on both sides. At a wall
         that moves, the velocities are relative to it.
+    seed : int, default 0
+        Seed of the random numbers, below 2³².
 
     Raises
     ------
@@ -5362,12 +5342,13 @@ class ThermalWalls:
     Examples
     --------
     >>> import jostle
-    >>> hot, cold = jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1], seed=1)
+    >>> hot = jostle.ThermalWalls(4.0, sides=jostle.Side.MIN_X)
+    >>> cold = jostle.ThermalWalls(1.0, sides=jostle.Side.MAX_X, seed=1)
     >>> world = jostle.scenes.create("gas", n=100)
     >>> world.forces = [hot, cold]
     >>> world.step(1 / 60, steps=10)
     >>> hot
-    ThermalWalls(4.0, (0,), 0)
+    ThermalWalls(4.0, sides=(-2,), seed=0)
 
     A hot plate in the middle of the box:
 
@@ -5389,8 +5370,10 @@ class ThermalWalls:
     def temperature(self) -> float:
         """Boltzmann's constant times the temperature."""
     @property
-    def sides(self) -> tuple[int, ...] | None:
-        """The sides of the container that have it: a tuple of int, values of `Side`; None for all."""
+    def sides(self) -> tuple[int, ...]:
+        """The sides of the container that have it: a tuple of int, values of `Side`. All of them stand for
+        those that the container has.
+        """
     @property
     def seed(self) -> int:
         """The seed of the random numbers."""

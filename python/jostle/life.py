@@ -8,8 +8,7 @@ Examples
 >>> import jostle, jostle.life
 >>> list(jostle.life.MATRICES)[:3]
 ['dragons', 'caterpillars', 'flowers']
->>> kinds = np.arange(600) % 6
->>> force = jostle.PairForce.particle_life(kinds, jostle.life.MATRICES["dragons"], cutoff=40.0)
+>>> force = jostle.PairForce.particle_life(jostle.life.MATRICES["dragons"], cutoff=40.0)
 >>> bool(np.allclose(jostle.life.matrix_of(force), jostle.life.MATRICES["dragons"]))
 True
 """
@@ -150,7 +149,7 @@ def core_of(force: PairForce) -> float:
     Examples
     --------
     >>> import jostle, jostle.life
-    >>> jostle.life.core_of(jostle.PairForce.particle_life([0], [[1]], 5.0, core=0.25))
+    >>> jostle.life.core_of(jostle.PairForce.particle_life([[1]], 5.0, core=0.25))
     0.25
     """
     core = _core(force)
@@ -190,7 +189,7 @@ def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
     Examples
     --------
     >>> import jostle, jostle.life
-    >>> jostle.life.matrix_of(jostle.PairForce.particle_life([0, 1], [[1, 0], [-0.5, 1]], 5.0))
+    >>> jostle.life.matrix_of(jostle.PairForce.particle_life([[1, 0], [-0.5, 1]], 5.0))
     array([[ 1. ,  0. ],
            [-0.5,  1. ]])
     """
@@ -205,8 +204,6 @@ def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
         return None
     peaks = table[:, :, round(share * (table.shape[2] - 1))]
     matrix = np.round(-peaks / (strength * height), 4) + 0.0
-    same = PairForce.particle_life(
-        force.kinds, matrix, force.cutoff, core, strength=float(strength)
-    ).table
+    same = PairForce.particle_life(matrix, force.cutoff, core, strength=float(strength)).table
     alike = same.shape == table.shape and np.allclose(same, table, rtol=1e-3, atol=1e-3 * strength)
     return matrix if alike else None

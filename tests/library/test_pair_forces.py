@@ -44,10 +44,10 @@ def test_a_step_is_that_of_numpy(periodic, method):
     positions, velocities, kinds = random_state(400)
     rng = np.random.default_rng(3)
     table, cutoff, dt = rng.uniform(-9, 9, (3, 3, 12)), 7.0, 0.01
-    force = jostle.PairForce(kinds, table, cutoff)
+    force = jostle.PairForce(table, cutoff)
     period = (SIDE, SIDE) if periodic else None
     masses = rng.uniform(1, 3, 400)
-    settings = {"masses": masses, "period": period, "method": method}
+    settings = {"masses": masses, "kinds": kinds, "period": period, "method": method}
     world = points(positions, velocities, force, **settings)
     world.step(dt)
     offset, distance = offsets(positions + velocities * np.float32(dt / 2), periodic)
@@ -83,7 +83,7 @@ def test_a_flock_is_that_of_numpy():
 
 def test_particle_life_is_its_definition():
     matrix, core, strength = np.array([[0.7, -0.4], [0.2, -1.0]]), 0.3, 5.0
-    force = jostle.PairForce.particle_life([0, 1, 1], matrix, 40.0, strength=strength)
+    force = jostle.PairForce.particle_life(matrix, 40.0, strength=strength)
     assert force.table.shape == (2, 2, 21)
     share = np.linspace(0, 1, 21)
     for a in range(2):
@@ -98,14 +98,14 @@ def test_particle_life_is_its_definition():
 @pytest.mark.parametrize("core", [0.1, 0.25, 1 / 3, 0.37123, 0.9])
 def test_the_matrix_can_be_read_from_the_force(core):
     matrix = life.random_matrix(np.random.default_rng(1), 5)
-    force = jostle.PairForce.particle_life([0], matrix, 3.0, core, strength=77.0)
+    force = jostle.PairForce.particle_life(matrix, 3.0, core, strength=77.0)
     assert life.core_of(force) == pytest.approx(core, abs=1e-5)
     np.testing.assert_allclose(life.matrix_of(force), matrix, atol=1e-3)
 
 
 def test_other_forces_have_no_matrix():
     assert life.matrix_of(FLUID) is None
-    assert life.matrix_of(jostle.PairForce([0], [[[0.0, 0.0]]], 1.0)) is None
+    assert life.matrix_of(jostle.PairForce([[[0.0, 0.0]]], 1.0)) is None
 
 
 def test_the_scene_has_the_first_matrix():
@@ -120,7 +120,7 @@ def test_random_matrices_are_symmetric_if_asked():
 
 
 def test_a_soft_disc_comes_to_rest_by_damping():
-    force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0, damping=5.0)
+    force = jostle.PairForce.soft_discs(stiffness=100.0, diameters=2.0, damping=5.0)
     world = points([(0, 0), (1.0, 0)], [(0.5, 0), (-0.5, 0)], force, masses=1.0)
     energy = world.kinetic_energy() + world.potential_energy()
     world.step(0.005, steps=60)
@@ -129,14 +129,14 @@ def test_a_soft_disc_comes_to_rest_by_damping():
 
 
 def test_kinds_follow_through_add_and_remove():
-    force = jostle.PairForce([0, 1, 2], np.zeros((3, 3, 2)), 5.0)
-    world = jostle.World([(0, 0), (9, 0), (18, 0)], 1.0, forces=[force])
+    force = jostle.PairForce(np.zeros((3, 3, 2)), 5.0)
+    world = jostle.World([(0, 0), (9, 0), (18, 0)], 1.0, kinds=[0, 1, 2], forces=[force])
     world.remove(1)
-    assert world.forces[0].kinds.tolist() == [0, 2]
+    assert world.kinds.tolist() == [0, 2]
     world.add((30, 0), 1.0, kinds=1)
     world.add([(40, 0), (50, 0)], 1.0, kinds=[2, 1])
     world.add((60, 0), 1.0)
-    assert world.forces[0].kinds.tolist() == [0, 2, 1, 2, 1, 0]
+    assert world.kinds.tolist() == [0, 2, 1, 2, 1, 0]
     for kinds, words in [
         (3, "kinds is 3; the table has 3 kinds, from 0 to 2"),
         ([1, 2], "kinds has shape (2,); it must be an integer or (1,)"),
@@ -149,7 +149,7 @@ def test_kinds_follow_through_add_and_remove():
 
 
 FORCES = [
-    jostle.PairForce([0, 1], np.arange(12.0).reshape(2, 2, 3), 2.5, damping=0.5),
+    jostle.PairForce(np.arange(12.0).reshape(2, 2, 3), 2.5, damping=0.5),
     jostle.Flocking(5.0, 1.0, 2.0, 3.0, 4.0, min_speed=0.5),
 ]
 
@@ -162,64 +162,62 @@ def test_copies_are_equal(force):
 
 def test_columns_are_read_only():
     force, springs = FORCES[0], jostle.Springs([(0, 1)], 1, 2)
-    assert force.kinds.dtype == np.uint8 and force.table.dtype == np.float32
+    assert force.table.dtype == np.float32
     of_springs = ("pairs", "lengths", "stiffness", "damping", "max_stretch")
-    for column in (force.kinds, force.table, *(getattr(springs, name) for name in of_springs)):
+    for column in (force.table, *(getattr(springs, name) for name in of_springs)):
         with pytest.raises(ValueError, match="read-only"):
             column[0] = 0
 
 
-FLUID, RNG = lennard_jones([0], 1.0, 1.0, 2.5), np.random.default_rng(0)
+FLUID, RNG = lennard_jones(1.0, 1.0, 2.5), np.random.default_rng(0)
 NONE = np.zeros((1, 1, 2))
 WRONG = {
     ValueError: [
-        (lambda: PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
-        (lambda: PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
-        (lambda: PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
-        (lambda: PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
-        (lambda: PairForce([0, 1], NONE, 1.0), "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
-        (lambda: PairForce([[0]], NONE, 1.0), "(n,)"),
-        (lambda: PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
-        (lambda: particle_life([0], [[1, 0], [np.nan, 0]], 1.0), "matrix[1, 0] is NaN"),
-        (lambda: particle_life([0], [[1]], 1.0, strength=np.inf), "strength is inf"),
+        (lambda: PairForce([[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
+        (lambda: PairForce(np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
+        (lambda: PairForce(np.zeros((1, 1, 1)), 1.0), "m at least 2"),
+        (lambda: PairForce(np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
+        (lambda: PairForce([[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
+        (lambda: particle_life([[1, 0], [np.nan, 0]], 1.0), "matrix[1, 0] is NaN"),
+        (lambda: particle_life([[1]], 1.0, strength=np.inf), "strength is inf"),
         (
-            lambda: particle_life([0], np.zeros((65, 65)), 1.0),
+            lambda: particle_life(np.zeros((65, 65)), 1.0),
             "matrix is of 65 kinds; there may be 1 to 64 kinds",
         ),
-        (lambda: lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0), "epsilon[1, 0] is inf"),
-        (lambda: lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0), "sigma[1, 0] is -2"),
-        (lambda: soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
-        (lambda: PairForce([0], NONE, 0.0), "cutoff is 0"),
-        (lambda: PairForce([0], NONE, np.inf), "cutoff is inf"),
-        (lambda: PairForce([0], NONE, 1.0, -1.0), "damping is -1"),
-        (lambda: particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
-        (lambda: particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
-        (lambda: particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
+        (lambda: lennard_jones([[1, 0], [np.inf, 0]], 1, 1.0), "epsilon[1, 0] is inf"),
+        (lambda: lennard_jones(1, [[1, 2], [-2, 1]], 1.0), "sigma[1, 0] is -2"),
+        (lambda: soft_discs(np.nan, 1.0), "stiffness is NaN"),
+        (lambda: PairForce(NONE, 0.0), "cutoff is 0"),
+        (lambda: PairForce(NONE, np.inf), "cutoff is inf"),
+        (lambda: PairForce(NONE, 1.0, damping=-1.0), "damping is -1"),
+        (lambda: particle_life([1.0], 1.0), "shape (1,); it must be (K, K)"),
+        (lambda: particle_life([[1.0]], 1.0, 1.0), "core is 1"),
+        (lambda: particle_life([[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
         (
-            lambda: particle_life([0], [[1.0]], 1.0, strength=np.nan),
+            lambda: particle_life([[1.0]], 1.0, strength=np.nan),
             "strength is NaN; it must be finite",
         ),
-        (lambda: lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),
+        (lambda: lennard_jones(1.0, 0.0, 1.0), "sigma is 0"),
         (
-            lambda: lennard_jones([0], -1.0, 1.0, 1.0),
+            lambda: lennard_jones(-1.0, 1.0, 1.0),
             "epsilon is -1; it must be finite and at least 0",
         ),
-        (lambda: lennard_jones([0], [[1, 1], [1, np.nan]], 1.0, 1.0), "epsilon[1, 1] is NaN"),
-        (lambda: lennard_jones([0], np.eye(2), np.eye(3), 1.0), "a number or (2, 2)"),
-        (lambda: soft_discs([0], 1.0, -1.0), "diameters is -1"),
-        (lambda: soft_discs([0], -1.0, 1.0), "stiffness is -1; it must be finite and"),
+        (lambda: lennard_jones([[1, 1], [1, np.nan]], 1.0, 1.0), "epsilon[1, 1] is NaN"),
+        (lambda: lennard_jones(np.eye(2), np.eye(3), 1.0), "a number or (2, 2)"),
+        (lambda: soft_discs(1.0, -1.0), "diameters is -1"),
+        (lambda: soft_discs(-1.0, 1.0), "stiffness is -1; it must be finite and"),
         (lambda: Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
         (lambda: Flocking(1, -1, 1, 1, 1), "separation is -1"),
         (lambda: Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
         (lambda: Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
         (lambda: life.random_matrix(RNG, 0), "kinds is 0"),
         (lambda: life.random_matrix(RNG, 65), "kinds is 65"),
-        (lambda: life.core_of(FLUID), "force is <jostle.PairForce of 1 particle of 1 kind"),
+        (lambda: life.core_of(FLUID), "force is <jostle.PairForce of 1 kind, cutoff 2.5>"),
     ],
     TypeError: [
-        (lambda: PairForce([0.5], NONE, 1.0), "kinds must hold integers"),
-        (lambda: PairForce(["a"], NONE, 1.0), "kinds must hold integers"),
-        (lambda: PairForce([0], NONE, "far"), "cutoff must be a number, not str"),
+        (lambda: PairForce([0], NONE, 1.0), "positional arguments"),
+        (lambda: PairForce(["a"], 1.0), "table must hold real numbers"),
+        (lambda: PairForce(NONE, "far"), "cutoff must be a number, not str"),
         (lambda: Flocking("far", 1, 1, 1, 1), "cutoff must be a number, not str"),
         (lambda: life.random_matrix(5), "rng must be a numpy.random.Generator, not int"),
         (lambda: life.random_matrix(RNG, 2.5), "kinds must be an integer"),
@@ -238,9 +236,12 @@ def test_wrong_arguments_are_refused(error, make, words):
 
 
 def test_a_force_must_fit_the_world():
-    world = jostle.World([(1, 1)], 0.5, period=(10, 10))
-    with pytest.raises(ValueError, match=r"needs one for each of 1 particle$"):
+    world = jostle.World([(1, 1), (3, 3)], 0.5, kinds=[1, 2], period=(10, 10))
+    unknown = r"^kinds\[1\] is 2; the table has 2 kinds, from 0 to 1$"
+    with pytest.raises(ValueError, match=unknown):
         world.forces = [FORCES[0]]
+    with pytest.raises(ValueError, match=unknown):
+        jostle.World([(1, 1), (3, 3)], 0.5, kinds=[1, 2], forces=[FORCES[0]])
     with pytest.raises(ValueError, match="a cutoff is at most 5"):
         world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]
     assert world.forces == ()

@@ -102,7 +102,7 @@ def test_merging(folder: Path) -> None:
         "box": {"gravity": (0.0, 30.0), "walls": walls, "track_events": True},
         "plane": {"container": None, "masses": np.where(rows % 7, 1.0, 3e29)},
         "torus": {"container": "torus", "track_events": True, **rolling},
-        "forces": {"forces": [jostle.PairForce(rows % 3, table, 6.0)], "substeps": 2},
+        "forces": {"forces": [jostle.PairForce(table, 6.0)], "kinds": rows % 3, "substeps": 2},
         "obstacles": {"movable": rows % 11 > 0, "sensors": rows % 13 == 0, "track_events": True},
         "filters": {"categories": 1 << rows % 3, "masks": 7 ^ (1 << rows % 3)},
         "long steps": {"container": "torus"},

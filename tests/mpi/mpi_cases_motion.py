@@ -169,19 +169,19 @@ def test_forces() -> None:
         check(name, jostle.scenes.create(name, n=300, seed=2), 1 / 60, 40, unevenly)
     kinds = np.arange(400) % 3
     table = np.random.default_rng(4).normal(0, 300, (3, 3, 12))
-    long = jostle.PairForce(kinds, table, 11.0, damping=3.0)
-    other = jostle.PairForce(kinds, -table, 4.0)
+    long = jostle.PairForce(table, 11.0, damping=3.0)
+    other = jostle.PairForce(-table, 4.0)
     flocking = jostle.Flocking(6.0, 40.0, 1.0, 0.5, max_speed=60.0)
-    world = gas(400, forces=[long, flocking, other], container="torus", substeps=3)
+    world = gas(400, kinds=kinds, forces=[long, flocking, other], container="torus", substeps=3)
     ours = check("three forces", world, 1 / 60, 25)
     alone = ours.gather()
-    assert alone is None or np.array_equal(alone.forces[0].kinds, kinds)
+    assert alone is None or np.array_equal(alone.kinds, kinds)
     world.step(1 / 60, 25)
     step_alike("three forces", ours, world, 1 / 60, 5, gathers=True)
     ours = jostle.mpi.create_scene(comm(), "life", n=100, seed=3)
     assert ours.state_hash() == jostle.scenes.create("life", n=100, seed=3).state_hash()
     if comm().size > 1:
-        force = jostle.PairForce([], table * (1 + comm().rank), 4.0)
+        force = jostle.PairForce(table * (1 + comm().rank), 4.0)
         make = partial(jostle.mpi.World, comm(), [], [], forces=[force])
         refuse(make, "forces is not the same")
 
@@ -241,10 +241,9 @@ def test_energy() -> None:
             assert len(ours.last_step.contacts.pairs) == 0 or comm().size == 1 or ghosts > 0
     table = np.ones((1, 1, 20))
     movable = np.arange(300) % 5 > 0
-    kinds = np.zeros(300, int)
     for container in ("box", "torus", None):
         options = {} if container == "box" else {"container": container}
-        world = gas(300, forces=[jostle.PairForce(kinds, table, 9.0)], movable=movable, **options)
+        world = gas(300, forces=[jostle.PairForce(table, 9.0)], movable=movable, **options)
         found = scattered(world, evenly).potential_energy()
         assert abs(found - world.potential_energy()) <= 1e-10 * abs(found)
 

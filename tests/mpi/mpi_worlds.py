@@ -77,7 +77,7 @@ def parts(n: int, where: Distribution) -> np.ndarray:
 
 COLUMNS = (
     *("masses", "movable", "friction", "angles", "angular_velocities"),
-    *("categories", "masks", "sensors"),
+    *("categories", "masks", "sensors", "kinds"),
 )
 
 #: A pile that stays awake.
@@ -112,12 +112,6 @@ def scattered(
     columns = {name: getattr(world, name)[mine] for name in COLUMNS}
     settings: dict[str, Any] = {name: getattr(world, name) for name in SETTINGS}
     settings["walls"] = world.walls.get(world.walls.ids).to_dict()
-    settings["forces"] = [
-        jostle.PairForce(force.kinds[mine], force.table, force.cutoff, force.damping)
-        if isinstance(force, jostle.PairForce)
-        else force
-        for force in world.forces
-    ]
     kind = jostle.mpi.World if every is None else RandomDomains
     ours = kind(
         comm(),

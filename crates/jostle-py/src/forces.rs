@@ -11,8 +11,8 @@ mod springs;
 mod thermal_walls;
 mod thermostat;
 
-use jostle_base::error::{Error, Result, counted};
-use jostle_world::{Influence, World};
+use jostle_base::error::Result;
+use jostle_world::Influence;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -28,55 +28,16 @@ pub use springs::PySprings;
 pub use thermal_walls::PyThermalWalls;
 pub use thermostat::PyThermostat;
 
-/// Forces as Python has them: each `PairForce` with the kinds of all particles.
-#[derive(Default)]
-pub struct Forces {
-    all: Vec<Influence>,
-    /// The kinds of each `PairForce`, with its index.
-    kinds: Vec<(usize, Vec<u8>)>,
+/// Reads a sequence of Python objects.
+pub fn read(value: &Bound<'_, PyAny>) -> PyResult<Vec<Influence>> {
+    let items = value.try_iter();
+    let items = items.map_err(|_| type_error("forces", "a sequence of forces", value))?;
+    items.enumerate().map(|(index, item)| read_one(index, &item?)).collect()
 }
 
-impl Forces {
-    /// Reads a sequence of Python objects.
-    pub fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let rule = "a sequence of forces";
-        let items = value.try_iter().map_err(|_| type_error("forces", rule, value))?;
-        let mut forces = Self::default();
-        for (index, item) in items.enumerate() {
-            let item = item?;
-            forces.all.push(read_one(index, &item)?);
-            if let Ok(pair) = item.cast::<PyPairForce>() {
-                forces.kinds.push((index, pair.get().1.clone()));
-            }
-        }
-        Ok(forces)
-    }
-
-    /// Replaces the forces of a world, and the kinds of its particles if there is a `PairForce`.
-    pub fn assign(mut self, world: &mut World) -> Result<()> {
-        for (index, kinds) in &self.kinds {
-            if kinds.len() != world.len() {
-                let value = format!("a PairForce of {}", counted(kinds.len(), "kind"));
-                let particles = counted(world.len(), "particle");
-                let rule = format!("a PairForce needs one for each of {particles}");
-                return Err(Error::at("forces", *index, value, &rule));
-            }
-            let (first, expected) = &self.kinds[0];
-            if kinds != expected {
-                let rule = format!("its kinds must be those of forces[{first}]");
-                return Err(Error::at("forces", *index, "another PairForce", &rule));
-            }
-        }
-        match self.kinds.pop() {
-            Some((_, kinds)) => world.set_forces_and_kinds(self.all, kinds),
-            None => world.set_forces(self.all),
-        }
-    }
-}
-
-/// Declares the class of each influence, a struct of it and of other values.
+/// Declares the class of each influence, a struct of it.
 macro_rules! classes {
-    ($kinds:ident: $($name:ident as $class:ident($($other:expr)?);)*) => {
+    ($($name:ident as $class:ident;)*) => {
         fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Influence> {
             $(if let Ok(found) = value.cast::<$class>() {
                 return Ok(found.get().0.clone().into());
@@ -87,31 +48,27 @@ macro_rules! classes {
             Err(type_error(&format!("forces[{index}]"), rule, value))
         }
 
-        /// The Python objects for forces of the core, in a world with particles of these kinds.
-        pub fn show<'py>(
-            py: Python<'py>,
-            forces: Vec<Influence>,
-            $kinds: &[u8],
-        ) -> PyResult<Bound<'py, PyTuple>> {
+        /// The Python objects for forces of the core.
+        pub fn show(py: Python<'_>, forces: Vec<Influence>) -> PyResult<Bound<'_, PyTuple>> {
             let one = |force| -> PyResult<Py<PyAny>> {
                 Ok(match force {
-                    $(Influence::$name(own) => Py::new(py, $class(own, $($other)?))?.into_any(),)*
+                    $(Influence::$name(own) => Py::new(py, $class(own))?.into_any(),)*
                 })
             };
             PyTuple::new(py, forces.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)
         }
     };
 }
-classes! { kinds:
-    Attractor as PyAttractor();
-    Gravitation as PyGravitation();
-    Pair as PyPairForce(kinds.to_vec());
-    Flocking as PyFlocking();
-    Springs as PySprings();
-    Motor as PyMotor();
-    Thermostat as PyThermostat();
-    ThermalWalls as PyThermalWalls();
-    Andersen as PyAndersenThermostat();
+classes! {
+    Attractor as PyAttractor;
+    Gravitation as PyGravitation;
+    Pair as PyPairForce;
+    Flocking as PyFlocking;
+    Springs as PySprings;
+    Motor as PyMotor;
+    Thermostat as PyThermostat;
+    ThermalWalls as PyThermalWalls;
+    Andersen as PyAndersenThermostat;
 }
 
 /// Refuses what is out of range.

@@ -23,7 +23,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{Given, number, point};
 use crate::containers;
 use crate::error::refused;
-use crate::forces::Forces;
+use crate::forces;
 use crate::ids::one_id;
 use crate::interrupt::detached_to_the_end;
 use crate::keywords::Keywords;
@@ -216,12 +216,12 @@ impl PyWorld {
         let (walls, named) = walls::read(keywords.take_some("walls")?.as_ref())?;
         let forces = keywords.take("forces")?;
         keywords.end()?;
-        let forces = forces.map_or(Ok(Forces::default()), |all| Forces::read(&all))?;
+        let forces = forces.map_or(Ok(Vec::new()), |all| forces::read(&all))?;
         let (columns, len) = read_particles(positions, arguments)?;
         let world = py.detach(|| {
             let mut world = World::new(particles::particles(&columns, len)?, rules)?;
             world.add_walls(&walls).map_err(|error| walls::renamed(error, named))?;
-            forces.assign(&mut world)?;
+            world.set_forces(forces)?;
             Ok(world)
         });
         Ok(Self::of(world.map_err(refused)?))

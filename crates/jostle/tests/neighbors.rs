@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use jostle_base::Method;
+use jostle_base::error::Result;
 use jostle_index::Each;
 use jostle_scenes::random::Random;
 use jostle_simd::{self as simd, Instructions};
@@ -319,7 +320,8 @@ fn forces_that_are_not_mutual_have_no_potential() {
     let chasing = table(vec![0.0, 0.0, -1.0, -1.0, 1.0, 1.0, 0.0, 0.0]);
     assert!(mutual.is_reciprocal() && !chasing.is_reciprocal());
     let mut world = world(vec![[0.0; 2], [3.0, 0.0]], vec![[0.0; 2]; 2], Container::None);
-    world.set_forces_and_kinds(vec![pair(mutual)], vec![0, 1]).unwrap();
+    set_kinds(&mut world, vec![0, 1]).unwrap();
+    world.set_forces(vec![pair(mutual)]).unwrap();
     assert!((world.potential_energy().unwrap() - 2.0).abs() < 1e-9);
     world.set_forces(vec![pair(chasing)]).unwrap();
     assert_eq!(world.potential_energy().unwrap(), 0.0);
@@ -334,13 +336,20 @@ fn forces_that_are_not_mutual_have_no_potential() {
     );
 }
 
+/// Sets the kinds of all particles.
+fn set_kinds(world: &mut World, kinds: Vec<u8>) -> Result<()> {
+    let ids = world.bodies().ids()?;
+    world.set(&ids, &Changes { kinds: Some(Each::Rows(kinds)), ..Changes::default() })
+}
+
 fn colourful(count: usize, on_touch: OnTouch) -> World {
     let places = (0..count).map(|k| [3.0 * k as f32, 0.0]).collect();
     let mut world = world(places, vec![[0.0; 2]; count], Container::None);
     world.configure(WorldSettings { on_touch, ..*world.settings() }).unwrap();
     let table = PairTable::new(5, vec![0.0; 50], 1.0, 0.0).unwrap();
     let kinds = (0..count).map(|k| k as u8 % 5).collect();
-    world.set_forces_and_kinds(vec![pair(table)], kinds).unwrap();
+    set_kinds(&mut world, kinds).unwrap();
+    world.set_forces(vec![pair(table)]).unwrap();
     world
 }
 
@@ -399,7 +408,8 @@ fn coincident_particles_that_differ_in_kind_have_one_order() {
         let mut world =
             world(order.map(|k| places[k]).to_vec(), vec![[0.0; 2]; 3], Container::None);
         let kinds = order.map(|k| kinds[k]).to_vec();
-        world.set_forces_and_kinds(vec![any_table(4.0, 0.0)], kinds).unwrap();
+        set_kinds(&mut world, kinds).unwrap();
+        world.set_forces(vec![any_table(4.0, 0.0)]).unwrap();
         world.step(0.01, 50).unwrap();
         let found = bits(&world.bodies().positions().unwrap());
         order.map(|k| (k, found[order.iter().position(|&o| o == k).unwrap()]))
@@ -432,12 +442,11 @@ fn forces_that_do_not_fit_are_refused() {
     let before = world.forces().unwrap();
     let unknown = refused(&mut world, pair(table()));
     assert_eq!(unknown, "kinds[1] is 1; the table has 1 kind, from 0 to 0");
-    let short = world.set_forces_and_kinds(vec![pair(table())], vec![0; 2]).unwrap_err();
-    assert_eq!(short.to_string(), "kinds has 2 rows; it must have 3, one for each shape");
-    let unknown = world.set_forces_and_kinds(vec![pair(table())], vec![0, 0, 1]).unwrap_err();
-    assert_eq!(unknown.to_string(), "kinds[2] is 1; the table has 1 kind, from 0 to 0");
     assert_eq!((world.forces().unwrap(), world.bodies().kinds().unwrap()), (before, vec![0, 1, 2]));
-    world.set_forces_and_kinds(vec![pair(table())], vec![0; 3]).unwrap();
+    set_kinds(&mut world, vec![0; 3]).unwrap();
+    world.set_forces(vec![pair(table())]).unwrap();
+    let unknown = set_kinds(&mut world, vec![0, 0, 1]).unwrap_err();
+    assert_eq!(unknown.to_string(), "kinds[2] is 1; the table has 1 kind, from 0 to 0");
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });
     assert_eq!(

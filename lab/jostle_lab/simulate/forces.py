@@ -37,12 +37,13 @@ def set_matrix(world: jostle.World, matrix: str | Sequence[Sequence[float]]) -> 
     if old is None or life.matrix_of(old) is None:
         raise ValueError("Only particle life has a matrix: choose the scene life.")
     values = np.asarray(life.MATRICES[matrix] if isinstance(matrix, str) else matrix)
-    kinds = old.kinds
-    if len(values) != len(old.table):
-        kinds = (np.arange(len(kinds)) % len(values)).astype(np.uint8)
     core, strength = life.core_of(old), float(old.table[0, 0, 0])
-    new = jostle.PairForce.particle_life(kinds, values, old.cutoff, core, strength=strength)
-    world.forces = tuple(new if force == old else force for force in world.forces)
+    new = jostle.PairForce.particle_life(values, old.cutoff, core, strength=strength)
+    forces = tuple(new if force == old else force for force in world.forces)
+    if len(values) != len(old.table):
+        world.forces = ()  # so that no table refuses a kind
+        world.kinds = np.arange(len(world)) % len(values)
+    world.forces = forces
 
 
 def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:

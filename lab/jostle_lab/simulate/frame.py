@@ -220,7 +220,7 @@ def frame_of(
         angles=world.angles if columns.turns else None,
         walls=world.walls.segments,
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
-        kinds=None if pair is None else pair.kinds,
+        kinds=None if pair is None else world.kinds,
         matrix=None if pair is None else life.matrix_of(pair),
         categories=columns.categories,
         masks=columns.masks,

@@ -43,7 +43,7 @@ def _bytes_of(setting: object) -> bytes:
     if isinstance(setting, jostle.Walls):
         columns = setting.get(setting.ids).to_dict()
         return _bytes_of([setting.ids, *columns.values()])
-    if isinstance(setting, jostle.PairForce):  # the kinds are those of the rank's particles
+    if isinstance(setting, jostle.PairForce):  # whose repr does not show the table
         return _bytes_of(setting.table) + _bytes_of((setting.cutoff, setting.damping))
     return repr(setting).encode() + b";"
 
@@ -87,8 +87,7 @@ class World:
     Notes
     -----
     Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls` and
-    `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
-    rank's particles.
+    `AndersenThermostat`. They are refused.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
     some ranks need more time than others, or have many copies, the ranges are chosen again, and
@@ -481,9 +480,7 @@ class World:
         """The walls: a `jostle.mpi.Walls`, which shows and changes those of all ranks."""
         return Walls(self)
 
-    forces = Setting[list[Any]](
-        "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
-    )
+    forces = Setting[list[Any]]("The forces, see `jostle.World.forces`.")
     on_touch = Setting[str]("What happens to particles that touch, see `jostle.World.on_touch`.")
     substeps = Setting[int | None](
         "Sub-steps of a step, see `jostle.World.substeps`. The automatic number is that of the "

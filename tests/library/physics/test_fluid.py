@@ -52,7 +52,7 @@ def frames(
 ) -> Iterator[Floats]:
     """Yield positions of a fluid at kT = 1 in a heat bath, at times far apart."""
     side = math.sqrt(count / density)
-    pair = jostle.PairForce.lennard_jones(np.zeros(count, int), 1.0, 1.0, CUTOFF)
+    pair = jostle.PairForce.lennard_jones(1.0, 1.0, CUTOFF)
     world = jostle.World(
         sites(count, side),
         0.1,
@@ -144,7 +144,7 @@ def test_a_fluid_has_the_structure_of_an_independent_simulation() -> None:
         masses=1.0,
         period=(side, side),
         on_touch="ignore",
-        forces=[jostle.PairForce.lennard_jones(np.zeros(n, int), 1.0, 1.0, CUTOFF)],
+        forces=[jostle.PairForce.lennard_jones(1.0, 1.0, CUTOFF)],
     )
     pull = forces_on(positions, side)
     ours, theirs, heat = [], [], np.zeros(2)

@@ -190,16 +190,9 @@ impl Argument<'_> {
 
     /// Kinds of particles: a number for all or one for each of `len` rows.
     pub fn kind_each(&self, len: usize) -> PyResult<Each<u8>> {
-        self.each(len, "an integer", Self::kinds)
-    }
-
-    /// Kinds of particles, one or many.
-    pub fn kinds(&self) -> PyResult<Vec<u8>> {
-        if self.array.ndim() > 1 {
-            return Err(self.wrong_shape("(n,)"));
-        }
         let kind = |number| u8::try_from(number).ok().filter(|&kind| usize::from(kind) < MAX_KINDS);
-        self.integer_each(kind, &format!("a kind, between 0 and {}", MAX_KINDS - 1))
+        let rule = format!("a kind, between 0 and {}", MAX_KINDS - 1);
+        self.each(len, "an integer", |argument| argument.integer_each(kind, &rule))
     }
 
     /// The length of a side, if it is a square matrix.

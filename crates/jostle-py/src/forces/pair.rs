@@ -5,7 +5,6 @@ use std::sync::Arc;
 use jostle_base::Error;
 use jostle_base::error::counted;
 use jostle_world::forces::{PairForce, PairTable};
-use jostle_world::particles::check_kinds_of_table;
 use numpy::ndarray::Array3;
 use pyo3::prelude::*;
 
@@ -23,8 +22,6 @@ use crate::error::refused;
 ///
 /// Parameters
 /// ----------
-/// kinds : array_like of int, shape (n,)
-///     The kind of each particle of the world, from 0 to K - 1.
 /// table : array_like, shape (K, K, m)
 ///     ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``.
 ///     It is positive if kind a is repelled. K is at most 64, m at least 2.
@@ -40,9 +37,8 @@ use crate::error::refused;
 /// TypeError
 ///     If an argument has the wrong type.
 /// ValueError
-///     If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
-///     assigned to `World.forces`, also if there is not one kind for each particle, another `PairForce`
-///     has other kinds, or the cutoff is too large for the torus.
+///     If a shape is wrong or a number is out of range. When it is assigned to `World.forces`, also if
+///     the table does not have the kind of a particle, or the cutoff is too large for the torus.
 ///
 /// See Also
 /// --------
@@ -51,13 +47,12 @@ use crate::error::refused;
 ///
 /// Notes
 /// -----
-/// Kinds belong to the particles: all `PairForce` of a world have the same. Assigning forces replaces
-/// them. Particles keep their kind when others are added or removed. Those that `World.add` adds have
-/// kind 0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
-/// act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
-/// its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
-/// length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`
-/// includes forces that are equal and opposite for all kinds.
+/// Kinds belong to the particles: `World.kinds` has them, and they are the same for all `PairForce` of
+/// a world. Merged particles have the kind of the heaviest. The forces act at the positions in the
+/// middle of a sub-step (leapfrog), the damping with the velocities at its beginning. If no other
+/// force acts and nothing rests, a step has one sub-step; choose the length of a step for the
+/// steepest force, or more `World.substeps`. `World.potential_energy` includes forces that are
+/// equal and opposite for all kinds.
 ///
 /// Examples
 /// --------
@@ -65,34 +60,32 @@ use crate::error::refused;
 ///
 /// >>> import jostle
 /// >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
-/// >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
-/// >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, forces=[force])
+/// >>> force = jostle.PairForce(table, cutoff=5.0)
+/// >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, kinds=[0, 1], forces=[force])
 /// >>> world.step(0.1, steps=10)
 /// >>> world.velocities.round(3)
 /// array([[1., 0.],
 ///        [1., 0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "PairForce", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyPairForce(pub PairForce, pub Vec<u8>);
+pub struct PyPairForce(pub PairForce);
 
 #[pymethods]
 impl PyPairForce {
     #[new]
     #[pyo3(
-        signature = (kinds, table, cutoff, damping=Given::NOTHING),
-        text_signature = "(kinds, table, cutoff, damping=0.0)"
+        signature = (table, cutoff, *, damping=Given::NOTHING),
+        text_signature = "(table, cutoff, *, damping=0.0)"
     )]
     fn new(
-        kinds: &Bound<'_, PyAny>,
         table: &Bound<'_, PyAny>,
         cutoff: &Bound<'_, PyAny>,
         damping: Given<'_>,
     ) -> PyResult<Self> {
-        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
         let (count, values) = Argument::reals("table", table)?.cube()?;
         let cutoff = real("cutoff", cutoff)?;
         let damping = real_or("damping", &damping, 0.0)?;
-        Self::of(kinds, PairTable::new(count, values, cutoff, damping))
+        Self::of(PairTable::new(count, values, cutoff, damping))
     }
 
     /// Particle life: kinds attract and repel each other, not always mutually.
@@ -103,8 +96,6 @@ impl PyPairForce {
     ///
     /// Parameters
     /// ----------
-    /// kinds : array_like of int, shape (n,)
-    ///     The kind of each particle, from 0 to K - 1.
     /// matrix : array_like, shape (K, K)
     ///     Attraction of kind a (row) by kind b (column), usually -1 to 1; negative values repel.
     /// cutoff : float
@@ -135,28 +126,25 @@ impl PyPairForce {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> kinds = np.arange(1000) % 2
-    /// >>> force = jostle.PairForce.particle_life(kinds, [[1, -0.5], [0.5, 1]], cutoff=4.0)
+    /// >>> force = jostle.PairForce.particle_life([[1, -0.5], [0.5, 1]], cutoff=4.0)
     /// >>> force.table.shape
     /// (2, 2, 21)
     #[staticmethod]
     #[pyo3(
-        signature = (kinds, matrix, cutoff, core=Given::NOTHING, *, strength=Given::NOTHING),
-        text_signature = "(kinds, matrix, cutoff, core=0.3, *, strength=1.0)"
+        signature = (matrix, cutoff, core=Given::NOTHING, *, strength=Given::NOTHING),
+        text_signature = "(matrix, cutoff, core=0.3, *, strength=1.0)"
     )]
     fn particle_life(
-        kinds: &Bound<'_, PyAny>,
         matrix: &Bound<'_, PyAny>,
         cutoff: &Bound<'_, PyAny>,
         core: Given<'_>,
         strength: Given<'_>,
     ) -> PyResult<Self> {
-        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
         let (count, matrix) = Argument::reals("matrix", matrix)?.square(None)?;
         let cutoff = real("cutoff", cutoff)?;
         let core = real_or("core", &core, 0.3)?;
         let strength = real_or("strength", &strength, 1.0)?;
-        Self::of(kinds, PairTable::particle_life(count, &matrix, cutoff, core, strength))
+        Self::of(PairTable::particle_life(count, &matrix, cutoff, core, strength))
     }
 
     /// The Lennard-Jones force, truncated at the cutoff.
@@ -166,8 +154,6 @@ impl PyPairForce {
     ///
     /// Parameters
     /// ----------
-    /// kinds : array_like of int, shape (n,)
-    ///     The kind of each particle, from 0 to K - 1.
     /// epsilon : array_like, a number or shape (K, K)
     ///     Depth of the potential, in units of energy, at least 0.
     /// sigma : array_like, a number or shape (K, K)
@@ -203,32 +189,28 @@ impl PyPairForce {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> force = jostle.PairForce.lennard_jones([0, 0], epsilon=1.0, sigma=1.0, cutoff=2.5)
+    /// >>> force = jostle.PairForce.lennard_jones(epsilon=1.0, sigma=1.0, cutoff=2.5)
     /// >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
     /// >>> world = jostle.World(apart, 0.1, on_touch="ignore", forces=[force])
     /// >>> round(world.potential_energy(), 3)
     /// -0.984
     #[staticmethod]
     fn lennard_jones(
-        kinds: &Bound<'_, PyAny>,
         epsilon: &Bound<'_, PyAny>,
         sigma: &Bound<'_, PyAny>,
         cutoff: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
-        let squares = Squares::read(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
+        let squares = Squares::read([("epsilon", epsilon), ("sigma", sigma)])?;
         let (count, [epsilon, sigma]) = (squares.count, &squares.all);
         let cutoff = real("cutoff", cutoff)?;
         let table = PairTable::lennard_jones(count, epsilon, sigma, cutoff);
-        Self::of(kinds, table.map_err(|error| squares.of_numbers(error)))
+        Self::of(table.map_err(|error| squares.of_numbers(error)))
     }
 
     /// Soft discs, which repel each other with a force proportional to their overlap.
     ///
     /// Parameters
     /// ----------
-    /// kinds : array_like of int, shape (n,)
-    ///     The kind of each particle, from 0 to K - 1.
     /// stiffness : array_like, a number or shape (K, K)
     ///     Force per unit of overlap, at least 0.
     /// diameters : array_like, a number or shape (K, K)
@@ -253,27 +235,25 @@ impl PyPairForce {
     /// Examples
     /// --------
     /// >>> import jostle
-    /// >>> force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0)
+    /// >>> force = jostle.PairForce.soft_discs(stiffness=100.0, diameters=2.0)
     /// >>> world = jostle.World([(0, 0), (1, 0)], 1, on_touch="ignore", forces=[force])
     /// >>> world.potential_energy()
     /// 50.0
     #[staticmethod]
     #[pyo3(
-        signature = (kinds, stiffness, diameters, damping=Given::NOTHING),
-        text_signature = "(kinds, stiffness, diameters, damping=0.0)"
+        signature = (stiffness, diameters, *, damping=Given::NOTHING),
+        text_signature = "(stiffness, diameters, *, damping=0.0)"
     )]
     fn soft_discs(
-        kinds: &Bound<'_, PyAny>,
         stiffness: &Bound<'_, PyAny>,
         diameters: &Bound<'_, PyAny>,
         damping: Given<'_>,
     ) -> PyResult<Self> {
-        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
-        let squares = Squares::read(&kinds, [("stiffness", stiffness), ("diameters", diameters)])?;
+        let squares = Squares::read([("stiffness", stiffness), ("diameters", diameters)])?;
         let (count, [stiffness, diameters]) = (squares.count, &squares.all);
         let damping = real_or("damping", &damping, 0.0)?;
         let table = PairTable::soft_discs(count, stiffness, diameters, damping);
-        Self::of(kinds, table.map_err(|error| squares.of_numbers(error)))
+        Self::of(table.map_err(|error| squares.of_numbers(error)))
     }
 
     /// Whether all kinds act on each other with equal and opposite forces, so that momentum is
@@ -285,38 +265,37 @@ impl PyPairForce {
 
     fn __repr__(&self) -> String {
         let table = &self.0.table;
-        let (kinds_of_table, cutoff) = (counted(table.kinds(), "kind"), decimal(table.cutoff()));
-        let particles = counted(self.1.len(), "particle");
-        format!("<jostle.PairForce of {particles} of {kinds_of_table}, cutoff {cutoff:?}>")
+        let (kinds, cutoff) = (counted(table.kinds(), "kind"), decimal(table.cutoff()));
+        format!("<jostle.PairForce of {kinds}, cutoff {cutoff:?}>")
     }
 }
 
-arguments! { PyPairForce {
-    /// The kind of each particle: read-only ndarray of uint8, shape (n,).
-    kinds: |own| own.1.clone();
-    /// The forces: read-only ndarray of float32, shape (K, K, m).
-    table: |own| {
-        let table = &own.0.table;
-        let shape = (table.kinds(), table.kinds(), table.points());
-        Array3::from_shape_vec(shape, table.values().to_vec()).expect("a table has this shape")
-    };
-    /// Distance from which there is no force, in units of length.
-    cutoff: |own| own.0.table.cutoff();
-    /// Force that resists a relative speed of 1 at distance 0.
-    damping: |own| own.0.table.damping();
-}}
+arguments! {
+    PyPairForce {
+        /// The forces: read-only ndarray of float32, shape (K, K, m).
+        table: |own| {
+            let table = &own.0.table;
+            let shape = (table.kinds(), table.kinds(), table.points());
+            Array3::from_shape_vec(shape, table.values().to_vec()).expect("a table has this shape")
+        };
+        /// Distance from which there is no force, in units of length.
+        cutoff: |own| own.0.table.cutoff();
+    }
+    keywords {
+        /// Force that resists a relative speed of 1 at distance 0.
+        damping: |own| own.0.table.damping();
+    }
+}
 
 impl PyPairForce {
-    fn of(kinds: Vec<u8>, table: jostle_base::Result<PairTable>) -> PyResult<Self> {
-        let table = table.map_err(refused)?;
-        check_kinds_of_table(&kinds, table.kinds()).map_err(refused)?;
-        Ok(Self(PairForce { table: Arc::new(table) }, kinds))
+    fn of(table: jostle_base::Result<PairTable>) -> PyResult<Self> {
+        Ok(Self(PairForce { table: Arc::new(table.map_err(refused)?) }))
     }
 }
 
 /// Two matrices, each of which may be given as one number for all pairs of kinds.
 struct Squares {
-    /// Number of kinds: the size of a matrix, otherwise by the largest kind.
+    /// Number of kinds: the size of a matrix, 1 if both are numbers.
     count: usize,
     all: [Vec<f32>; 2],
     /// The arguments that are given as a number.
@@ -324,11 +303,10 @@ struct Squares {
 }
 
 impl Squares {
-    fn read(kinds: &[u8], arguments: [(&'static str, &Bound<'_, PyAny>); 2]) -> PyResult<Self> {
+    fn read(arguments: [(&'static str, &Bound<'_, PyAny>); 2]) -> PyResult<Self> {
         let [a, b] = arguments.map(|(name, value)| Argument::reals(name, value));
         let [a, b] = [a?, b?];
-        let largest = kinds.iter().copied().max().unwrap_or(0);
-        let count = a.side().or(b.side()).unwrap_or(usize::from(largest) + 1);
+        let count = a.side().or(b.side()).unwrap_or(1);
         let all = [a.square(Some(count))?.1, b.square(Some(count))?.1];
         let names = arguments.iter().zip([a, b]);
         let numbers = names.filter(|(_, value)| value.is_scalar()).map(|((name, _), _)| *name);

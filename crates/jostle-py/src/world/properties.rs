@@ -9,7 +9,7 @@ use pyo3::types::PyTuple;
 use super::PyWorld;
 use crate::arrays::{Given, column, decimal, number, point, read_only};
 use crate::error::refused;
-use crate::forces::{self, Forces};
+use crate::forces;
 use crate::settings;
 
 /// Declares properties that are settings: what Python assigns and reads, where it is in the settings, how it is
@@ -86,16 +86,13 @@ impl PyWorld {
     /// two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let both =
-            self.long(py, |state| Ok((state.world.forces()?, state.world.bodies().kinds()?)));
-        let (forces, kinds) = both?.map_err(refused)?;
-        forces::show(py, forces, &kinds)
+        forces::show(py, self.long(py, |state| state.world.forces())?.map_err(refused)?)
     }
 
     #[setter]
     fn set_forces(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let forces = Forces::read(value)?;
-        self.long(py, |state| forces.assign(&mut state.world))?.map_err(refused)
+        let forces = forces::read(value)?;
+        self.long(py, |state| state.world.set_forces(forces))?.map_err(refused)
     }
 
     /// Acceleration of all movable particles: ndarray of float64, shape (2,), a read-only copy in units

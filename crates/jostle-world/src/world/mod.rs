@@ -55,7 +55,7 @@ use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{Influence, Influences, WallTemperatures};
 use crate::motion::{Motions, Spins};
-use crate::particles::{Changes, Particles};
+use crate::particles::Particles;
 use crate::resting::Resting;
 use crate::walls::Walls;
 pub use bodies::Bodies;
@@ -70,7 +70,6 @@ use islands::wake::wake_all;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory;
-use jostle_base::table::Table;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes, fill_filters};
 use plan::start_threads;
@@ -309,34 +308,8 @@ impl World {
     /// Changes the forces and all else that acts on particles. If they are refused, the old ones stay. All
     /// particles wake.
     pub fn set_forces(&mut self, forces: Vec<Influence>) -> Result<()> {
-        let influences = Influences::from(forces);
+        let mut influences = Influences::from(forces);
         influences.check_kinds(&self.bodies.kinds()?)?;
-        self.set_influences(influences)
-    }
-
-    /// Changes the forces, as [`World::set_forces`], and the kinds of all particles, in the order of adding.
-    pub fn set_forces_and_kinds(&mut self, forces: Vec<Influence>, kinds: Vec<u8>) -> Result<()> {
-        let influences = Influences::from(forces);
-        let changes = Changes { kinds: Some(Each::Rows(kinds)), ..Changes::default() };
-        changes.validate(self.len())?;
-        if let Some(kinds) = &changes.kinds {
-            kinds.check(|kinds| influences.check_kinds(kinds))?;
-        }
-        let len = self.len();
-        changes.reserve(&mut self.bodies.awake.particles, len)?;
-        let mut indices = memory::with_capacity(len)?;
-        self.set_influences(influences)?;
-        // All particles are awake, so each index is one of `particles`.
-        indices.resize(len, 0);
-        for (row, index) in self.bodies.rows_and_indices() {
-            indices[row as usize] = index;
-        }
-        changes.write(&mut self.bodies.awake.particles, &indices);
-        self.bodies.awake.particles.drop_defaults();
-        Ok(())
-    }
-
-    fn set_influences(&mut self, mut influences: Influences) -> Result<()> {
         influences.validate(|id| self.bodies.contains(id))?;
         influences.check_fit(self.settings.container)?;
         influences.check_sides(self.settings.container)?;
