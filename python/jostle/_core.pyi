@@ -4802,12 +4802,13 @@ class Springs:
            [2.5, 0. ]], dtype=float32)
     """
 
-    __match_args__: Final = ("pairs", "lengths", "stiffness", "damping", "max_stretch")
+    __match_args__: Final = ("pairs", "lengths", "stiffness")
     def __new__(
         cls,
         pairs: ArrayLike,
         lengths: ArrayLike,
         stiffness: ArrayLike,
+        *,
         damping: ArrayLike = 0.0,
         max_stretch: ArrayLike | None = None,
     ) -> Self: ...

@@ -95,8 +95,11 @@ def forces(draw: st.DrawFn, n: int) -> list[jostle.Force]:
         found.append(jostle.Attractor(particle=particle, strength=draw(numbers), law=law))
     if n > 1 and draw(st.booleans()):
         pairs = draw(st.lists(st.permutations(range(n)).map(lambda p: p[:2]), max_size=3))
-        numbers_of = (draw(sizes), draw(sizes), draw(sizes), draw(st.one_of(st.none(), sizes)))
-        found.append(jostle.Springs(np.array(pairs, int).reshape(-1, 2), *numbers_of))
+        ends = np.array(pairs, int).reshape(-1, 2)
+        stretch = draw(st.one_of(st.none(), sizes))
+        found.append(
+            jostle.Springs(ends, draw(sizes), draw(sizes), damping=draw(sizes), max_stretch=stretch)
+        )
     if draw(st.booleans()):
         found.append(jostle.Thermostat(draw(sizes), draw(shares)))
     return found

@@ -62,8 +62,8 @@ pub struct PySprings(pub Springs);
 impl PySprings {
     #[new]
     #[pyo3(
-        signature = (pairs, lengths, stiffness, damping=Given::NOTHING, max_stretch=None),
-        text_signature = "(pairs, lengths, stiffness, damping=0.0, max_stretch=None)"
+        signature = (pairs, lengths, stiffness, *, damping=Given::NOTHING, max_stretch=None),
+        text_signature = "(pairs, lengths, stiffness, *, damping=0.0, max_stretch=None)"
     )]
     fn new(
         pairs: &Bound<'_, PyAny>,
@@ -109,16 +109,20 @@ impl PySprings {
     }
 }
 
-arguments! { PySprings {
-    /// Ids of the ends: read-only ndarray of int64, shape (m, 2).
-    pairs: |own| own.column(|spring| spring.pair);
-    /// Lengths at rest: ndarray of float32, shape (m,).
-    lengths: |own| own.column(|spring| spring.length);
-    /// Force per unit of stretch: ndarray of float32, shape (m,).
-    stiffness: |own| own.column(|spring| spring.stiffness);
-    /// Force per unit of speed: ndarray of float32, shape (m,).
-    damping: |own| own.column(|spring| spring.damping);
-    /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
-    /// breaks.
-    max_stretch: |own| own.column(|spring| spring.max_stretch);
-}}
+arguments! {
+    PySprings {
+        /// Ids of the ends: read-only ndarray of int64, shape (m, 2).
+        pairs: |own| own.column(|spring| spring.pair);
+        /// Lengths at rest: read-only ndarray of float32, shape (m,).
+        lengths: |own| own.column(|spring| spring.length);
+        /// Force per unit of stretch: read-only ndarray of float32, shape (m,).
+        stiffness: |own| own.column(|spring| spring.stiffness);
+    }
+    keywords {
+        /// Force per unit of speed: read-only ndarray of float32, shape (m,).
+        damping: |own| own.column(|spring| spring.damping);
+        /// Stretch beyond which each breaks: read-only ndarray of float32, shape (m,); infinite if it
+        /// never breaks.
+        max_stretch: |own| own.column(|spring| spring.max_stretch);
+    }
+}
