@@ -50,7 +50,7 @@ search: setup  ## search 1,000 random scenes for discs that hang in the air (ARG
 
 arcade: $(WHEELS)/built  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
 	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \
-	  $(or $(ARGS),tests/adapters/test_arcade.py tests/docs/test_window_examples.py tests/docs/test_docstrings.py \
+	  $(or $(ARGS),tests/adapters/test_arcade*.py tests/docs/test_window_examples.py tests/docs/test_docstrings.py \
 	  -k "arcade or pyglet or raylib"); \
 	else echo "arcade cannot be installed here, so its adapter and the examples are not tested."; fi
 

@@ -2,6 +2,7 @@
 
 .venv/bin/python benchmarks/adapters.py pyqtree
 .venv-arcade/bin/python benchmarks/adapters.py arcade
+.venv-arcade/bin/python benchmarks/adapters.py engines
 .venv/bin/python benchmarks/adapters.py mesa
 """
 
@@ -124,6 +125,46 @@ def measure_arcade(n: int) -> None:
     report(n, *acts)
 
 
+def measure_engines(n: int) -> None:
+    """A second of a platformer: walk, jump, ride, on a ground of some walls and among others."""
+    os.environ["ARCADE_HEADLESS"] = "True"
+    import arcade
+
+    import jostle.arcade
+
+    def game(kind: Any, hashed: bool) -> Callable[[], None]:
+        walls = arcade.SpriteList(use_spatial_hash=hashed, lazy=True)
+        for number in range(n):
+            x, level = 40 * (number % (n // 4)), number // (n // 4)
+            walls.append(arcade.SpriteSolidColor(40, 40, x, 140 * level))
+        platforms = arcade.SpriteList(lazy=True)
+        for x in range(10):
+            lift = arcade.SpriteSolidColor(80, 10, 200 * x, 60)
+            lift.change_x, lift.boundary_left, lift.boundary_right = 2, 200 * x - 90, 200 * x + 90
+            platforms.append(lift)
+        player = arcade.SpriteSolidColor(20, 30, 200, 40)
+        engine = kind(player, platforms, walls=walls)
+
+        def second() -> None:
+            player.position = 200, 40
+            for frame in range(60):
+                player.change_x = 4
+                if frame % 20 == 0 and engine.can_jump():
+                    engine.jump(9)
+                engine.update()
+
+        return second
+
+    theirs, mine = arcade.PhysicsEnginePlatformer, jostle.arcade.PhysicsEnginePlatformer
+    acts: list[Timed] = [
+        ("60 updates: arcade, walls with a spatial hash", game(theirs, True)),
+        ("60 updates: jostle.arcade", game(mine, False)),
+    ]
+    if n <= 1_000:  # more are searched on the graphics card
+        acts.insert(0, ("60 updates: arcade, walls without it", game(theirs, False)))
+    report(n, *acts)
+
+
 def measure_mesa(n: int) -> None:
     """Steps of Mesa's own flocking example, after which the boids are at the same positions."""
     from mesa.examples.basic.boid_flockers import model as flocking
@@ -150,8 +191,11 @@ def measure_mesa(n: int) -> None:
 
 
 if __name__ == "__main__":
-    measure = {"pyqtree": measure_pyqtree, "arcade": measure_arcade, "mesa": measure_mesa}[
-        sys.argv[1]
-    ]
+    measure = {
+        "pyqtree": measure_pyqtree,
+        "arcade": measure_arcade,
+        "engines": measure_engines,
+        "mesa": measure_mesa,
+    }[sys.argv[1]]
     for n in (1_000, 10_000, 100_000)[: 3 if measure is measure_pyqtree else 2]:
         measure(n)

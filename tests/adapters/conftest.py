@@ -4,7 +4,7 @@ import importlib
 from importlib.util import find_spec
 
 NEEDED = {
-    "arcade": "test_arcade.py",
+    "arcade": "test_arcade*.py",
     "mesa": "test_mesa*.py",
     "pygame": "test_pygame*.py",
     "pyqtree": "test_pyqtree.py",
