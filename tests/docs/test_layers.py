@@ -40,12 +40,14 @@ def packages(requirements: list) -> set[str]:
     return {re.match(r"[\w.-]*", line)[0] for line in requirements if isinstance(line, str)}
 
 
-def modules_after(code: str) -> set[str]:
-    """The top-level modules that some code imports, beside the standard library and NumPy."""
+def modules_after(code: str, *, whole: bool = False) -> set[str]:
+    """The top-level modules that code imports after NumPy, beside the standard library; or all."""
     code = (
         f"import sys, numpy; before = set(sys.modules); {code}; print(*set(sys.modules) - before)"
     )
     names = printed_by("-c", code).split()
+    if whole:
+        return set(names)
     return {name.split(".")[0] for name in names} - {*sys.stdlib_module_names}
 
 
@@ -60,6 +62,14 @@ def test_the_library_needs_numpy_alone() -> None:
     assert packages(toml("pyproject.toml")["project"]["dependencies"]) == {"numpy"}
     code = "import jostle, jostle.pyqtree, jostle.sprites, jostle.writing"
     assert modules_after(code) <= {"jostle", "numpy"}
+
+
+def test_importing_the_library_imports_no_further_module() -> None:
+    """So it is fast: `benchmarks/import_time.py` measures it."""
+    names = modules_after("import jostle", whole=True)
+    assert {name for name in names if not name.startswith("jostle")} <= {
+        *("__future__", "numpy.typing", "numpy._typing._add_docstring")
+    }
 
 
 def test_make_run_installs_all_that_the_simulator_needs() -> None:
