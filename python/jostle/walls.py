@@ -41,7 +41,7 @@ class Side(enum.IntEnum):
     """The wall of a `Circle`."""
 
 
-def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.floating]:
+def polyline(points: ArrayLike, *, closed: bool = False) -> NDArray[np.floating]:
     """Return the line segments between consecutive points.
 
     Points that equal the one before are left out, so no segment has length 0.

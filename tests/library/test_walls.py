@@ -12,6 +12,11 @@ BOX = jostle.Box(0, 0, 10, 10)
 ONE: dict[str, Any] = {"segments": [[(0, 0), (0, 1)]]}
 
 
+def test_a_polyline_is_closed_by_keyword() -> None:
+    with pytest.raises(TypeError, match="1 positional argument but 2 were given"):
+        jostle.polyline([(0, 0), (1, 0)], True)  # type: ignore[misc]
+
+
 def test_polyline_joins_points() -> None:
     points = [(0, 0), (4, 0), (4, 0), (4, 3)]
     assert jostle.polyline(points).tolist() == [[[0, 0], [4, 0]], [[4, 0], [4, 3]]]

@@ -14,7 +14,6 @@ from jostle.results import Slide
 from jostle.walls import polyline
 
 _WALL, _PLAYER = 1, 2
-_NONE = np.empty((0, 2, 2))
 _AXES = (
     ("change_x", "center_x", (("left", "boundary_left", -1), ("right", "boundary_right", 1))),
     ("change_y", "center_y", (("top", "boundary_top", 1), ("bottom", "boundary_bottom", -1))),
@@ -125,7 +124,7 @@ class PhysicsEngineSimple:
         for sprite in new:
             if sprite not in self._ids:
                 points = sprite.hit_box.get_adjusted_points()
-                segments = polyline(points, closed=len(points) > 2) if points[1:] else _NONE
+                segments = polyline(points, closed=len(points) > 2)
                 self._ids[sprite] = self._space.add(segments=segments, categories=_WALL)
         self._sprites = {id: sprite for sprite, ids in self._ids.items() for id in ids.tolist()}
 
