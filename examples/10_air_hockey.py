@@ -6,30 +6,30 @@ import pygame
 import jostle
 import show
 
+goals = [[(2, 180), (2, 320)], [(798, 180), (798, 320)]]
 world = jostle.World(
-    [(400, 250)], 18.0, velocities=(-420, 150), drag=0.1, restitution=0.95,
-    container=jostle.Box(0, 0, *show.SIZE), track_events=True,
+    [(400, 250)], 18.0, velocities=(-420, 150), restitution=0.95, track_events=True,
+    container=jostle.Box(0, 0, *show.SIZE), walls={"segments": goals, "sensors": True},
 )  # fmt: skip
 mallets = world.add([(150, 250), (650, 250)], 30.0, movable=False)
-goals = world.add([(0, 250), (800, 250)], 70.0, movable=False, sensors=True)
 score, trail = [0, 0], [(400.0, 250.0)]
 
-for screen in show.frames("Air hockey", until=340):
+for screen in show.frames("Air hockey", until=400):
     puck = world.positions[0].tolist()
     wishes = [pygame.mouse.get_pos(), puck if puck[0] > 420 else (690, puck[1])]
     aims = np.clip(wishes, [(30, 30), (430, 30)], [(370, 470), (770, 470)])
     ways = aims - world.positions[mallets]  # ids are rows, as nothing is removed
     world.set(mallets, velocities=np.clip(15 * ways, -400, 400))
     world.step(1 / 60)
-    for k, goal in enumerate(goals):
-        if [0, goal] in world.events.entered.tolist():  # ids of the puck and of the goal
-            score[1 - k] += 1
-            world.set(0, positions=(400, 250), velocities=(300 - 600 * k, 140))
+    for goal in (0, 1):
+        if [0, goal] in world.wall_events.entered.tolist():  # ids of the puck and of the wall
+            score[1 - goal] += 1
+            world.set(0, positions=(400, 250), velocities=(300 - 600 * goal, 140))
 
     pygame.draw.aaline(screen, show.DIM, (400, 0), (400, 500), 3)
     pygame.draw.aacircle(screen, show.DIM, (400, 250), 70, 3)
-    for goal in world.positions[goals].tolist():
-        pygame.draw.aacircle(screen, show.YELLOW, goal, 70, 3)
+    for start, end in goals:
+        pygame.draw.line(screen, show.YELLOW, start, end, 6)
     trail = [*trail[-30:], puck]
     for k, place in enumerate(trail):
         faded = pygame.Color(show.GROUND).lerp(show.RED, (k + 1) ** 3 / len(trail) ** 3)
