@@ -189,6 +189,24 @@ def test_a_walk_on_a_platform_is_added_to_its_motion() -> None:
     assert sprite.center_x - before == pytest.approx(1)
 
 
+def test_a_ramp_that_moves_carries_too() -> None:
+    """Also one that comes later, and whose centre is not that of its hit box."""
+    sprite, platforms = player(0, 0), boxes((0, -25, 200, 20))
+    engine = ours.PhysicsEnginePlatformer(sprite, platforms)
+    engine.update()
+    platforms.append(shaped([(-10, -15), (90, -15), (90, 35)], 5, 0))
+    sprite.position = (40, 40)
+    for _ in range(30):
+        engine.update()
+    bottom = sprite.bottom
+    assert -15 < bottom < 35 and sprite.center_x == pytest.approx(40)
+    for platform in platforms:
+        platform.change_x, platform.change_y = 3, 1
+    for _ in range(20):
+        engine.update()
+    assert sprite.center_x == pytest.approx(100) and sprite.bottom == pytest.approx(bottom + 20)
+
+
 def test_the_velocity_on_a_lift_is_that_of_arcade() -> None:
     for change in (-2, 2):
         found = []

@@ -91,9 +91,8 @@ class PhysicsEngineSimple:
         options = {"mask": _WALL, "up": self._up, **options}
         fall = self._space.move_and_slide(self._player, (0, player.change_y), **options)
         slides, step = [fall], player.change_x
-        if (
-            fall.on_floor
-        ):  # `change_x` is the way across `up`, the displacement that along the floor
+        if fall.on_floor:
+            # A displacement is as long as the way along the floor, `change_x` is its part along x.
             step /= float(fall.normals[fall.hits == fall.floor][0, 1])
         if step:
             # Downwards too, so that the floor is met, and carries the player in the next update.
