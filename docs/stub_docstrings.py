@@ -52,7 +52,8 @@ def definitions(body: list[ast.stmt], owner: Any) -> Iterator[tuple[Definition, 
         if not isinstance(node, (ast.ClassDef, ast.FunctionDef)):
             continue
         is_first, previous = node.name != previous, node.name
-        if node.name == "_Queries":  # in the stub alone, for the classes that have these methods
+        # In the stub alone, for the classes that have these methods.
+        if node.name in ("_Queries", "_ShapeQueries"):
             yield from definitions(node.body, owner.Quadtree)
             continue
         thing = inspect.getattr_static(owner, node.name, None)

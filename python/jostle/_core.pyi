@@ -529,7 +529,7 @@ def separate(
 
 @type_check_only
 class _Queries:
-    """The queries that every class of shapes has."""
+    """The queries of every class that holds shapes."""
 
     @overload
     def query_rect(
@@ -918,10 +918,10 @@ class _Queries:
         Returns
         -------
         RayHit or RayHits
-            The id, at equal distances the smaller; -1 if nothing is hit, so test it before you use
+            The id, at equal distances the smaller; -1 if no shape is hit, so test it before you use
             it as an index. The distance to the surface; 0 if a ray starts in a shape, infinity if
             nothing is hit. A ray that only touches an edge hits it. The point that is hit, and the
-            unit normal there, which points away from the shape.
+            unit normal there, which points away from the shape. In a `World` the wall that is hit.
 
         Raises
         ------
@@ -933,6 +933,15 @@ class _Queries:
         shape_cast : The first shape that a moving shape hits.
         nearest : The nearest shape in any direction.
 
+        Notes
+        -----
+        In a :class:`World` rays and moving shapes also hit walls and the container, which is solid outside.
+        Then `id` is -1, and `wall` is the id of the wall or a :class:`Side`. A mask selects walls by their
+        categories; sides have the category 1. A one-way wall is hit only if all of the moving shape starts
+        strictly on the left of start → end and moves to the right. Walls that are sensors are not hit. At
+        equal distances a particle comes first, then a side, then a wall. In queries of `World.walls`, `id`
+        and `wall` are both the id of the wall; in other classes `wall` is always -1.
+
         Examples
         --------
         >>> import jostle
@@ -943,6 +952,10 @@ class _Queries:
         >>> hits = tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
         >>> hits.ids, hits.distances
         (array([ 1, -1,  0]), array([0.5, inf, 0.5]))
+        >>> world = jostle.World([(3, 0)], 1.0, container=jostle.Box(-5, -5, 5, 5))
+        >>> hits = world.raycast((0, 0), [(1, 0), (-1, 0)])
+        >>> hits.ids, hits.walls, hits.distances
+        (array([ 0, -1]), array([-1, -2]), array([2., 5.], dtype=float32))
         """
     @overload
     def raycast(
@@ -1147,7 +1160,8 @@ class _Queries:
         -------
         RayHits or RayHitLists
             All hits of one ray, each shape once, at equal distances the smaller id first; for
-            many rays those of each.
+            many rays those of each. In a `World` also walls, and the side at which
+            each ray leaves the container.
 
         Raises
         ------
@@ -1207,6 +1221,11 @@ class _Queries:
         mask: SupportsIndex | None = None,
         exclude: SupportsIndex | _IdList | None = None,
     ) -> RayHits | RayHitLists | Any: ...
+
+@type_check_only
+class _ShapeQueries(_Queries):
+    """Those of the classes whose shapes have neighbours among themselves."""
+
     def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> IdLists:
         """Find the neighbours of every shape within a distance.
 
@@ -1242,7 +1261,7 @@ class _Queries:
         """
 
 @final
-class Quadtree(_Queries):
+class Quadtree(_ShapeQueries):
     """A quadtree over shapes that do not change.
 
     A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
@@ -1302,7 +1321,7 @@ class Quadtree(_Queries):
     --------
     find_pairs : The pairs alone, in one call.
     Space : Shapes that are added, moved and removed.
-    World.quadtree : A tree of particles.
+    World.pairs : Queries of particles.
 
     Notes
     -----
@@ -1489,7 +1508,7 @@ class Quadtree(_Queries):
         See Also
         --------
         pairs : The pairs alone.
-        World.contacts : The contacts of particles, with impulses.
+        World.last_step : The contacts of particles in the last step, with impulses.
 
         Examples
         --------
@@ -1515,7 +1534,7 @@ class Quadtree(_Queries):
                 shapes; a shape may extend beyond it. Quarters without shapes
                 are omitted, and so are subdivisions that would separate nothing:
                 coincident shapes are in one box, whatever their number.
-            depths : ndarray of int64, shape (k,)
+            levels : ndarray of int64, shape (k,)
                 Subdivisions above each box.
             counts : ndarray of int64, shape (k,)
                 Shapes in each box and its descendants.
@@ -1591,7 +1610,7 @@ class Quadtree(_Queries):
     def __len__(self) -> int: ...
 
 @final
-class Space(_Queries):
+class Space(_ShapeQueries):
     """A collection of shapes that can be added, moved, changed and removed, and of the pairs that
     overlap.
 
@@ -2609,7 +2628,7 @@ class Events:
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
-class World:
+class World(_ShapeQueries):
     """Particles: discs that move, collide and bounce off walls.
 
     Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
@@ -3613,38 +3632,124 @@ class World:
         >>> world.asleep
         array([ True, False])
         """
-    def quadtree(self) -> Quadtree:
-        """Return a quadtree of the particles in their current state.
+    def pairs(
+        self,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
+    ) -> _Pairs:
+        """Find every pair of particles that overlap now.
 
-        It is a copy: later steps do not change it. Its queries return rows: ``world.ids[rows]`` are
-        the ids of these particles, if none was added, removed or merged since. Queries do not
-        include images beyond the sides of a torus.
+        Parameters
+        ----------
+        sort : bool, default False
+            Whether to sort the pairs by the first, then by the second id. If False, they come in the
+            order of a tree, which is the same for every number of threads.
+        max_pairs : int, default 134217728
+            Maximum number of pairs to return; the default corresponds to 2 GiB.
+        mask : int, optional
+            Find only pairs whose particles both have a category in this set of bits.
+        distance : float, default 0.0
+            Find pairs whose gap is below this, in units of length: each radius is increased by half
+            of it. If 0, the particles must overlap.
 
         Returns
         -------
-        Quadtree
-            Discs of float32, with their categories and masks, and with the world's `leaf_capacity`,
-            `max_depth` and `threads`.
+        ndarray of int64, shape (m, 2)
+            Ids of each pair, the smaller first, every pair once.
 
         Raises
         ------
-        MemoryError
-            If there is not enough memory.
+        ValueError
+            If more than `max_pairs` pairs overlap.
 
         See Also
         --------
-        Quadtree : All queries.
+        contacts : The same with normals and depths.
+        neighbors : The particles near each particle.
+
+        Notes
+        -----
+        All queries of a world take the particles where they are now, awake and asleep, in float32, and on
+        a periodic plane across its sides. They change no particle and no result of a step. The first query
+        after a step or an edit builds a tree, which takes as long as a `Quadtree` of the same discs;
+        later ones use it. For `pairs`, `contacts`, `neighbors` and `nodes` it has all particles; for the
+        other queries only those that are awake, because sleeping islands have trees that stay.
 
         Examples
         --------
         >>> import jostle
-        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0)] * 3)
-        >>> world.step(1.0)
-        >>> tree = world.quadtree()
-        >>> tree.nearest((6.0, 0.0)).ids
-        array([1])
-        >>> tree.query_circle((0.0, 0.0), 1.0)
-        array([0])
+        >>> world = jostle.World([(0, 0), (5, 0), (6, 0)], 1.0)
+        >>> world.pairs()
+        array([[1, 2]])
+        >>> world.remove(0)
+        >>> pairs = world.pairs()
+        >>> pairs, world.rows(pairs)
+        (array([[1, 2]]), array([[0, 1]]))
+        """
+    def contacts(
+        self,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts:
+        """Find every pair of particles that overlap now, and how each overlaps.
+
+        Parameters
+        ----------
+        sort : bool, default False
+            Whether to sort the contacts by the first, then by the second id of the pair. If False,
+            they come in the order of :meth:`pairs`.
+        max_pairs : int, default 134217728
+            Maximum number of pairs to return.
+        mask : int, optional
+            Find only pairs whose particles both have a category in this set of bits.
+
+        Returns
+        -------
+        Contacts
+            The pairs with their normals, depths, points and categories, as from
+            :meth:`Space.contacts`, in float32.
+
+        Raises
+        ------
+        ValueError
+            If more than `max_pairs` pairs overlap.
+
+        See Also
+        --------
+        last_step : The contacts of the last step, with impulses.
+        pairs : The pairs alone, and what a query costs.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(9, 0), (0.5, 0)], 1.0, period=10)
+        >>> contacts = world.contacts()
+        >>> contacts.pairs, contacts.normals, contacts.depths
+        (array([[0, 1]]), array([[1., 0.]], dtype=float32), array([0.5], dtype=float32))
+        """
+    def nodes(self) -> Nodes:
+        """Return the boxes of the tree of all particles.
+
+        Returns
+        -------
+        Nodes
+            As from :meth:`Quadtree.nodes`.
+
+        See Also
+        --------
+        pairs : What the tree costs.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (1, 1), (7, 7)], 0.5, leaf_capacity=2)
+        >>> world.nodes().counts
+        array([3, 2, 1])
         """
     @property
     def last_step(self) -> LastStep:
@@ -4053,7 +4158,7 @@ class World:
     def __len__(self) -> int: ...
 
 @final
-class Walls:
+class Walls(_Queries):
     """The walls of a world: line segments with ids, which discs do not cross.
 
     It is made by `World.walls` and shows the walls that the world has at any time. Each wall has an
@@ -4067,9 +4172,15 @@ class Walls:
     does. Walls that are moved by a change transfer no momentum: particles that overlap a wall are
     pushed out in several steps, to the side on which their centre is.
 
+    Queries find walls by id, where they are now in float32, in a periodic world across its sides. Rays and
+    moving shapes hit what casts of the `World` hit of the walls: no sensors, and one-way walls from their left
+    alone. The first query after walls have moved
+    or changed builds a tree of all walls; later ones use it.
+
     See Also
     --------
     World.walls : Returns it.
+    World.raycast : Rays that hit particles, walls and the container.
     polyline : Walls between consecutive points.
 
     Examples
@@ -4082,6 +4193,8 @@ class Walls:
     >>> world.positions, world.walls.get(piston).segments
     (array([[0. , 1.5]], dtype=float32), array([[8.5, 0. ],
            [8.5, 5. ]], dtype=float32))
+    >>> world.walls.query_circle((0, 0), 1), world.walls.nearest((8, 9)).ids
+    (array([0]), array([1]))
     """
 
     def add(

@@ -36,7 +36,8 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
     origins, directions = rng.uniform(-12, 12, (5, 2)), rng.normal(0, 1, (5, 2))
     lengths = rng.uniform(0, 30, 5)
     all_hits = tree.raycast_all(origins, directions, max_distance=lengths)
-    ids, distances, points, normals, offsets = fields(all_hits)
+    ids, distances, points, normals, walls, offsets = fields(all_hits)
+    assert (walls == -1).all()
     for row in range(5):
         expected = []
         for shape in range(len(tree)):
@@ -50,7 +51,7 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
         assert distances[part].tolist() == [distance for distance, _, _ in expected]
         assert normals[part].tolist() == [list(normal) for _, _, normal in expected]
         one = tree.raycast_all(origins[row], directions[row], max_distance=lengths[row])
-        parts = (column[part] for column in (ids, distances, points, normals))
+        parts = (column[part] for column in (ids, distances, points, normals, walls))
         assert one == all_hits[row] == jostle.RayHits(*parts)
     assert space.raycast_all(origins, directions, max_distance=lengths) == all_hits
     assert all_hits.counts.sum() == len(all_hits.queries) == len(ids)
@@ -144,6 +145,13 @@ def test_exclude_gives_the_answers_without_that_shape(scene: Any, k: int) -> Non
     if n:
         with pytest.raises(ValueError, match=r"exclude has shape|exclude"):
             tree.nearest(points, exclude=[0])
+
+
+def test_the_normal_of_what_is_hit_end_on_faces_the_ray() -> None:
+    tree = jostle.Quadtree(segments=[[(5, -2), (5, 2)], [(7, 3), (9, 3)]])
+    hits = tree.raycast([(5, -9), (5, 9), (0, 3), (20, 3)], [(0, 1), (0, -1), (1, 0), (-1, 0)])
+    assert hits.distances.tolist() == [7, 7, 7, 11]
+    assert hits.normals.tolist() == [[0, -1], [0, 1], [-1, 0], [1, 0]]
 
 
 def test_a_distance_for_each_query() -> None:

@@ -44,7 +44,7 @@ def test_only_pairs_that_may_touch_do(seed: int, method: Any) -> None:
     world.on_touch = "ignore"
     expected = pairs_within(shapes, allowed)
     np.testing.assert_array_equal(by_row(world.last_step.contacts.pairs), expected)
-    np.testing.assert_array_equal(by_row(world.quadtree().pairs()), expected)
+    np.testing.assert_array_equal(by_row(world.pairs()), expected)
     world.on_touch = "bounce"
     for _ in range(5):
         world.step(STEP)

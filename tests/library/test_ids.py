@@ -242,13 +242,6 @@ def test_in_takes_one_id() -> None:
         assert [1] in world
 
 
-def test_answers_of_the_quadtree_are_rows() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
-    world.remove(0)
-    rows = world.quadtree().query_circle((9.0, 0.0), 0.5)
-    assert world.ids[rows].tolist() == [2]
-
-
 def test_ids_of_forces_may_be_large() -> None:
     pull = jostle.Attractor(particle=2**40, strength=1.0)
     assert pull.particle == 2**40

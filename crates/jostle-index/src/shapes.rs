@@ -264,12 +264,17 @@ impl<T: Scalar> Shapes<T> {
 
     /// The same shapes in a periodic plane, with their centres in the first period. Refuses segments
     /// that are longer than a period along an axis.
-    pub fn in_period(mut self, period: Period<T>) -> Result<Self> {
+    pub fn in_period(self, period: Period<T>) -> Result<Self> {
+        self.check_period(&period)?;
+        Ok(self.wrapped_in(period))
+    }
+
+    /// As [`Shapes::in_period`], for segments that are no longer than a period up to rounding.
+    pub fn wrapped_in(mut self, period: Period<T>) -> Self {
         self.period = period;
         if period.is_none() {
-            return Ok(self);
+            return self;
         }
-        self.check_period(&period)?;
         if let Some(boxes) = &mut self.boxes {
             for (corners, center) in boxes.iter_mut().zip(&mut self.centers) {
                 let [[min_x, min_y], [max_x, max_y]] = period.wrap_corners(self::corners(corners));
@@ -281,7 +286,7 @@ impl<T: Scalar> Shapes<T> {
         } else {
             self.centers.iter_mut().for_each(|center| *center = period.wrap(*center));
         }
-        Ok(self)
+        self
     }
 
     /// Refuses segments whose ends are more than a period apart along an axis.

@@ -26,7 +26,7 @@ use crate::arrays::{Given, number};
 use crate::error::refused;
 use crate::interrupt::detached;
 use crate::queries::{self, Cast, Maybe};
-use crate::query_methods::{CountedTree, Index, query_methods};
+use crate::query_methods::{CountedTree, Index, NeighborIndex, query_methods};
 use crate::results;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
@@ -90,7 +90,7 @@ use crate::shapes::{Rows, Shapes};
 /// --------
 /// find_pairs : The pairs alone, in one call.
 /// Space : Shapes that are added, moved and removed.
-/// World.quadtree : A tree of particles.
+/// World.pairs : Queries of particles.
 ///
 /// Notes
 /// -----
@@ -141,13 +141,6 @@ macro_rules! with_counted_tree {
 }
 
 query_methods!(PyQuadtree, with_counted_tree);
-
-impl PyQuadtree {
-    /// A tree of the core.
-    pub fn of(tree: jostle_index::Quadtree<f32>) -> Self {
-        Self { tree: Tree::Single(tree), tests: AtomicU64::new(0) }
-    }
-}
 
 impl Tree {
     fn build(shapes: Shapes, settings: Settings, period: Period<f64>) -> jostle_base::Result<Self> {
@@ -221,7 +214,7 @@ impl PyQuadtree {
     ///         shapes; a shape may extend beyond it. Quarters without shapes
     ///         are omitted, and so are subdivisions that would separate nothing:
     ///         coincident shapes are in one box, whatever their number.
-    ///     depths : ndarray of int64, shape (k,)
+    ///     levels : ndarray of int64, shape (k,)
     ///         Subdivisions above each box.
     ///     counts : ndarray of int64, shape (k,)
     ///         Shapes in each box and its descendants.
@@ -244,7 +237,9 @@ impl PyQuadtree {
     ///        [0., 0., 4., 4.],
     ///        [4., 4., 8., 8.]])
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        with_tree!(&self.tree, tree => results::nodes(py, tree))
+        let nodes =
+            detached(py, || with_tree!(&self.tree, tree => results::NodeColumns::of(tree)))?;
+        nodes.map_err(refused)?.result(py)
     }
 
     /// Size of the tree and number of tests of the last query.

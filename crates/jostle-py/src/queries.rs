@@ -1,7 +1,7 @@
 //! Conversion of the arguments of queries, each one query or many, and of their results.
 
 use jostle_base::Error;
-use jostle_index::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
+use jostle_index::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, Rect};
 use jostle_index::{Each, Scalar};
 use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -10,6 +10,7 @@ use pyo3::types::{PyList, PyTuple};
 use crate::arrays::{Argument, Given, PointLists, column, count, long_ids, number, single_mask};
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::query_methods::Casts;
 use crate::results;
 
 /// An argument of a query.
@@ -250,7 +251,7 @@ pub fn cast<'py, T: Scalar + Element>(
     py: Python<'py>,
     cast: &Cast<'_, 'py>,
     all: bool,
-    search: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
+    search: impl FnOnce(&[Ray<T>]) -> Answer<Casts<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (half_sizes, radii) = cast.sizes;
     let radii = radii.map(|radii| Argument::reals("radii", radii)).transpose()?;

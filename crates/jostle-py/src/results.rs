@@ -3,7 +3,7 @@
 use jostle_base::interrupt::Pulse;
 use jostle_base::memory;
 use jostle_index::pairs::Overlaps;
-use jostle_index::query::{Hits, Neighbors, RayHits};
+use jostle_index::query::{Hits, Neighbors};
 use jostle_index::{Scalar, Shape};
 use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
@@ -17,6 +17,7 @@ use pyo3::types::PyTuple;
 use crate::arrays::{Widen, column, decimal, long, matrix, segments, table};
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::query_methods::Casts;
 
 /// `jostle.Contacts`.
 pub fn contacts<T, I>(py: Python<'_>, all: Overlaps<T, I>) -> PyResult<Bound<'_, PyAny>>
@@ -227,22 +228,34 @@ pub fn last_call(py: Python<'_>, all: Totals, walls: usize) -> PyResult<Bound<'_
     CALL.import(py, "jostle.results", "LastCall")?.call1(fields)
 }
 
-/// `jostle.Nodes`.
-pub fn nodes<'py, T: Scalar>(
-    py: Python<'py>,
-    tree: &jostle_index::Quadtree<T>,
-) -> PyResult<Bound<'py, PyAny>> {
-    static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let columns = detached(py, || -> jostle_base::Result<_> {
+/// The columns of `jostle.Nodes`.
+pub struct NodeColumns {
+    boxes: Vec<[f64; 4]>,
+    levels: Vec<i64>,
+    counts: Vec<i64>,
+    is_leaf: Vec<bool>,
+}
+
+impl NodeColumns {
+    /// Those of a tree. It is called without the GIL.
+    pub fn of<T: Scalar>(tree: &jostle_index::Quadtree<T>) -> jostle_base::Result<Self> {
         let all = tree.boxes()?;
-        let depths = memory::collect(all.iter().map(|one| one.depth as i64))?;
-        let counts = memory::collect(all.iter().map(|one| one.count as i64))?;
-        let is_leaf = memory::collect(all.iter().map(|one| one.is_leaf))?;
-        Ok((memory::collect(all.iter().map(|one| one.bounds))?, depths, counts, is_leaf))
-    })?;
-    let (bounds, depths, counts, is_leaf) = columns.map_err(refused)?;
-    let fields = (table(py, bounds)?, column(py, depths), column(py, counts), column(py, is_leaf));
-    NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
+        Ok(Self {
+            boxes: memory::collect(all.iter().map(|one| one.bounds))?,
+            levels: memory::collect(all.iter().map(|one| one.depth as i64))?,
+            counts: memory::collect(all.iter().map(|one| one.count as i64))?,
+            is_leaf: memory::collect(all.iter().map(|one| one.is_leaf))?,
+        })
+    }
+
+    /// `jostle.Nodes`.
+    pub fn result(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let Self { boxes, levels, counts, is_leaf } = self;
+        let fields =
+            (table(py, boxes)?, column(py, levels), column(py, counts), column(py, is_leaf));
+        NODES.import(py, "jostle.results", "Nodes")?.call1(fields)
+    }
 }
 
 /// `jostle.Stats`.
@@ -294,29 +307,32 @@ pub fn neighbors<T: Element>(
 /// `jostle.RayHit`.
 pub fn ray_hit<'py, T: Element + Scalar>(
     py: Python<'py>,
-    all: &RayHits<T>,
+    Casts { hits: all, walls }: &Casts<T>,
 ) -> PyResult<Bound<'py, PyAny>> {
     static RAY_HIT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let [point, normal] = [all.points[0], all.normals[0]].map(|pair| column(py, pair.to_vec()));
-    let fields = (all.ids[0], all.distances[0].to_f64(), point, normal);
+    let fields = (all.ids[0], all.distances[0].to_f64(), point, normal, walls[0]);
     RAY_HIT.import(py, "jostle.results", "RayHit")?.call1(fields)
 }
 
 /// `jostle.RayHits`.
-pub fn ray_hits<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
+pub fn ray_hits<T: Element>(py: Python<'_>, all: Casts<T>) -> PyResult<Bound<'_, PyAny>> {
     static RAY_HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let Casts { hits: all, walls } = all;
     let (ids, distances) = (column(py, all.ids), column(py, all.distances));
-    let fields = (ids, distances, table(py, all.points)?, table(py, all.normals)?);
+    let (points, normals) = (table(py, all.points)?, table(py, all.normals)?);
+    let fields = (ids, distances, points, normals, column(py, walls));
     RAY_HITS.import(py, "jostle.results", "RayHits")?.call1(fields)
 }
 
 /// `jostle.RayHitLists`.
-pub fn ray_hit_lists<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
+pub fn ray_hit_lists<T: Element>(py: Python<'_>, all: Casts<T>) -> PyResult<Bound<'_, PyAny>> {
     static LISTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let Casts { hits: all, walls } = all;
     let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
     let (ids, distances) = (column(py, all.ids), column(py, all.distances));
     let (points, normals) = (table(py, all.points)?, table(py, all.normals)?);
-    let fields = (ids, distances, points, normals, column(py, offsets));
+    let fields = (ids, distances, points, normals, column(py, walls), column(py, offsets));
     LISTS.import(py, "jostle.results", "RayHitLists")?.call1(fields)
 }
 

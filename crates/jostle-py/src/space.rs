@@ -27,7 +27,7 @@ use crate::ids::one_id;
 use crate::interrupt::detached;
 use crate::lock::Shared;
 use crate::queries::{self, Cast, Maybe};
-use crate::query_methods::{Index, query_methods};
+use crate::query_methods::{Index, NeighborIndex, query_methods};
 use crate::settings;
 pub use saved::restore_space;
 

@@ -6,11 +6,13 @@ mod edits;
 mod external;
 mod ids;
 mod properties;
+mod queries;
 mod ranks;
 mod snapshots;
 mod state;
 mod steps;
 mod touches;
+mod wall_queries;
 mod wall_view;
 
 use std::time::Duration;

@@ -211,7 +211,7 @@ fn overlaps_are_those_of_brute_force() {
     }
     assert!(expected.len() > 50);
     let world = world_of(all, WorldSettings::default());
-    let found = pairs::within(&world.quadtree().unwrap(), None, 1 << 20).unwrap();
+    let found = pairs::within(world.tree().unwrap(), None, 1 << 20).unwrap();
     assert_eq!(found.pairs.len(), expected.len(), "the tree of a world carries them");
 }
 

@@ -214,7 +214,7 @@ def frame_of(
         container=container_of(world),
         stats=_stats(world),
         energies=_energies(world) if request.energies else None,
-        tree=world.quadtree().nodes() if request.tree else None,
+        tree=world.nodes() if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(forces, columns),
         angles=world.angles if columns.turns else None,

@@ -56,8 +56,11 @@ def _hexatic(world: jostle.World) -> float:
     count = min(7, len(positions))
     if count < 2:
         return float("nan")
-    near = world.quadtree().nearest(positions, count).ids[:, 1:]
-    x, y = np.moveaxis(positions[near] - positions[:, None], -1, 0)
+    near = world.rows(world.nearest(positions, count).ids[:, 1:])
+    offsets = positions[near] - positions[:, None]
+    if world.period is not None:
+        offsets -= world.period * np.round(offsets / world.period)
+    x, y = np.moveaxis(offsets, -1, 0)
     return float(np.abs(np.exp(6j * np.arctan2(y, x)).mean()))
 
 

@@ -87,7 +87,9 @@ class World:
     Notes
     -----
     Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls` and
-    `AndersenThermostat`. They are refused.
+    `AndersenThermostat`. They are refused. There are no queries, such as `nearest` and `raycast`:
+    use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each rank and
+    combine the answers, for instance by ``comm.allgather``.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
     some ranks need more time than others, or have many copies, the ranges are chosen again, and

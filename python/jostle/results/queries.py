@@ -202,10 +202,14 @@ class RayHit(Result):
     normal : ndarray of float32 or float64, shape (2,)
         Unit vector that points away from the shape where it is hit; (0, 0) if nothing is hit or
         the ray starts in the shape.
+    wall : int
+        In a :class:`jostle.World`, what is hit if it is no particle: the id of a wall, or a
+        :class:`jostle.Side` of the container, which is negative; then `id` is -1. In the queries of
+        :class:`jostle.Walls` it is `id`. Otherwise -1.
 
     See Also
     --------
-    jostle.Quadtree.raycast : Returns it for one ray.
+    jostle.Quadtree.raycast, jostle.World.raycast : Return it for one ray.
     RayHits : The result for many rays.
 
     Examples
@@ -217,12 +221,13 @@ class RayHit(Result):
     (0, array([0. , 0.5]), array([-1.,  0.]))
     """
 
-    __slots__ = ("id", "distance", "point", "normal")
+    __slots__ = ("id", "distance", "point", "normal", "wall")
 
     id: int
     distance: float
     point: NDArray[np.floating[Any]]
     normal: NDArray[np.floating[Any]]
+    wall: int
 
 
 class RayHits(Result):
@@ -239,19 +244,24 @@ class RayHits(Result):
     normals : ndarray of float32 or float64, shape (k, 2)
         Unit vectors that point away from the shapes where they are hit; (0, 0) where nothing is
         hit or a ray starts in the shape.
+    walls : ndarray of int64, shape (k,)
+        In a :class:`jostle.World`, ids of the walls, or sides of the container as of
+        :class:`jostle.Side`, that are hit; -1 where none is. In the queries of
+        :class:`jostle.Walls` they are `ids`.
 
     See Also
     --------
-    jostle.Quadtree.raycast : Returns it for many rays.
+    jostle.Quadtree.raycast, jostle.World.raycast : Return it for many rays.
     RayHit : The result for one ray.
     """
 
-    __slots__ = ("ids", "distances", "points", "normals")
+    __slots__ = ("ids", "distances", "points", "normals", "walls")
 
     ids: NDArray[np.int64]
     distances: NDArray[np.floating[Any]]
     points: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
+    walls: NDArray[np.int64]
 
 
 class RayHitLists(Result, Lists[RayHits]):
@@ -269,25 +279,31 @@ class RayHitLists(Result, Lists[RayHits]):
         Where the shapes are hit. With a period they lie on the rays.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors that point away from the shapes; (0, 0) where a ray starts in the shape.
+    walls : ndarray of int64, shape (m,)
+        As of `RayHits`.
     offsets : ndarray of int64, shape (k + 1,)
         The hits of ray r are those from ``offsets[r]`` to ``offsets[r + 1]``.
 
     See Also
     --------
-    jostle.Quadtree.raycast_all, jostle.Space.raycast_all : Return it for many rays.
+    jostle.Quadtree.raycast_all, jostle.Space.raycast_all, jostle.World.raycast_all : Return it
+        for many rays.
     """
 
-    __slots__ = ("ids", "distances", "points", "normals", "offsets")
+    __slots__ = ("ids", "distances", "points", "normals", "walls", "offsets")
 
     ids: NDArray[np.int64]
     distances: NDArray[np.floating[Any]]
     points: NDArray[np.floating[Any]]
     normals: NDArray[np.floating[Any]]
+    walls: NDArray[np.int64]
     offsets: NDArray[np.int64]
 
     def _elements(self, at: slice) -> RayHits:
         """Return the hits in a slice."""
-        return RayHits(self.ids[at], self.distances[at], self.points[at], self.normals[at])
+        return RayHits(
+            self.ids[at], self.distances[at], self.points[at], self.normals[at], self.walls[at]
+        )
 
 
 class Nodes(Result):
@@ -306,7 +322,7 @@ class Nodes(Result):
 
     See Also
     --------
-    jostle.Quadtree.nodes : Returns it.
+    jostle.Quadtree.nodes, jostle.World.nodes : Return it.
     """
 
     __slots__ = ("boxes", "levels", "counts", "is_leaf")

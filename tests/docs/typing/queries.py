@@ -8,7 +8,18 @@ import pygame
 from numpy.typing import NDArray
 from typing_extensions import assert_type
 
-from jostle import Box, Contacts, IdLists, Neighbors, Quadtree, RayHit, RayHitLists, RayHits, Space
+from jostle import (
+    Box,
+    Contacts,
+    IdLists,
+    Neighbors,
+    Quadtree,
+    RayHit,
+    RayHitLists,
+    RayHits,
+    Space,
+    World,
+)
 
 Ids = NDArray[np.int64]
 
@@ -174,6 +185,21 @@ def a_space_answers_alike(space: Space, single: NDArray[np.float32], given: Any)
     assert_type(space.shape_cast((0, 0), (1, 0), radii=2), RayHit)
     assert_type(space.shape_cast(single, single, radii=2), RayHits)
     assert_type(space.shape_cast(given, given, radii=2), Any)
+
+
+def queries_of_worlds(world: World, single: NDArray[np.float32], given: Any) -> None:
+    assert_type(world.pairs(distance=1, mask=2, sort=True), Ids)
+    assert_type(world.contacts(mask=2), Contacts)
+    assert_type(world.neighbors(2), IdLists)
+    for shapes in (world, world.walls):
+        assert_type(shapes.query_rect((0, 0, 1, 1), exclude=3), Ids)
+        assert_type(shapes.query_circle(single, 1), IdLists)
+        assert_type(shapes.query_point(given), Any)
+        assert_type(shapes.nearest(single, exclude=3), Neighbors)
+        assert_type(shapes.raycast((0, 0), (1, 0)).wall, int)
+        assert_type(shapes.raycast(single, (1, 0)), RayHits)
+        assert_type(shapes.raycast_all((0, 0), (1, 0)).walls, Ids)
+        assert_type(shapes.shape_cast((0, 0), (1, 0), radii=2), RayHit)
 
 
 def a_point_of_any_kind(tree: Quadtree, point: Sequence[float]) -> None:

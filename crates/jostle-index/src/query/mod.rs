@@ -30,7 +30,8 @@ pub use point::Point;
 pub use polygon::Polygon;
 pub use ray::{Ray, hit, normal};
 pub use ray_search::{
-    AllHits, FirstHit, RayHits, RayPath, all_hits, all_hits_by, first_hits, first_hits_by,
+    AllHits, FirstHit, RayContact, RayHits, RayPath, all_hits, all_hits_by, first_hits,
+    first_hits_by,
 };
 pub use rect::Rect;
 pub use region::{Hits, MAX_IDS, Region, search, search_here, selects};

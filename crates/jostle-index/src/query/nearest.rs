@@ -256,8 +256,19 @@ impl<T: Scalar> Nearest<T> {
         mask: Option<u32>,
         id_of: &IdOf<'_>,
     ) {
-        let period = tree.period();
-        let origin = Origin::at(point, &period);
+        self.search_in(&tree.period(), tree, point, mask, id_of);
+    }
+
+    /// Searches a tree in a periodic plane. The centres of its shapes are in the first period.
+    pub fn search_in(
+        &mut self,
+        period: &Period<T>,
+        tree: &Quadtree<T>,
+        point: [T; 2],
+        mask: Option<u32>,
+        id_of: &IdOf<'_>,
+    ) {
+        let origin = Origin::at(point, period);
         if period.is_none() {
             T::with_widest(Search::<T, false> { tree, origin, mask, id_of, best: self });
         } else {

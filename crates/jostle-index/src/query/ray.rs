@@ -72,6 +72,21 @@ impl<T: Scalar> Ray<T> {
         memory::collect((0..len).map(ray))
     }
 
+    /// Where it starts.
+    pub fn origin(&self) -> [T; 2] {
+        self.origin
+    }
+
+    /// Its direction, a unit vector up to rounding.
+    pub fn direction(&self) -> [T; 2] {
+        self.direction
+    }
+
+    /// The half size and the radius of the shape that moves along it.
+    pub fn shape(&self) -> ([T; 2], T) {
+        (self.half_size, self.radius)
+    }
+
     /// The same rays, of which each passes the shape with an id; −1 is none.
     pub fn excluding(mut rays: Vec<Self>, ids: &Each<i64>) -> Result<Vec<Self>> {
         ids.check_len("exclude", rays.len())?;
@@ -202,14 +217,12 @@ pub fn normal<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T) -> [T; 2] 
     if radius + ray.radius > T::ZERO && far > T::ZERO {
         return [x / far * signs[0], y / far * signs[1]];
     }
-    // A side without rounding: the axis with the larger gap. Of a core without width both sides are at
-    // the same place, up to rounding; the one that is hit faces the ray.
-    let facing = |axis: usize| match ray.direction[axis] {
-        along if along > T::ZERO => -T::ONE,
-        along if along < T::ZERO => T::ONE,
-        _ => signs[axis],
-    };
-    if gaps[0] < gaps[1] { [T::ZERO, facing(1)] } else { [facing(0), T::ZERO] }
+    // A side without rounding: the axis with the larger gap, but none along which the ray does not move. Of a core
+    // without width both sides are at the same place, up to rounding; the one that is hit faces the ray.
+    let facing = |axis: usize| if ray.direction[axis] > T::ZERO { -T::ONE } else { T::ONE };
+    let [along_x, along_y] = ray.direction.map(|along| along != T::ZERO);
+    let is_y = if along_x && along_y { gaps[0] < gaps[1] } else { along_y };
+    if is_y { [T::ZERO, facing(1)] } else { [facing(0), T::ZERO] }
 }
 
 /// From the place of a moving shape when it hits another, to the point where they touch: on the surface of the shape

@@ -123,6 +123,8 @@ pub trait RayPath<T: Scalar>: Sized {
     fn limit(&self) -> T;
     /// Tests one shape.
     fn offer(&mut self, shape: &Shape<T>, id: u64);
+    /// Takes the hit of something that is no shape of a tree.
+    fn take(&mut self, hit: RayContact<T>);
     /// Adds a number of tested shapes.
     fn count(&mut self, tests: usize);
     /// Whether to stop; `work` is the approximate number of values read since the last call.
@@ -130,8 +132,19 @@ pub trait RayPath<T: Scalar>: Sized {
 
     /// Searches a tree.
     fn search(&mut self, tree: &Quadtree<T>, mask: Option<u32>, id_of: &IdOf<'_>) {
+        self.search_in(&tree.period(), tree, mask, id_of);
+    }
+
+    /// Searches a tree in a periodic plane. The centres of its shapes are in the first period.
+    fn search_in(
+        &mut self,
+        period: &Period<T>,
+        tree: &Quadtree<T>,
+        mask: Option<u32>,
+        id_of: &IdOf<'_>,
+    ) {
         let Some(root) = tree.bounds().first() else { return };
-        self.each_image(&tree.period(), root, |best| {
+        self.each_image(period, root, |best| {
             let node_ray = NodeRay::of(*best.ray());
             T::with_widest(Search { tree, node_ray, mask, id_of, best });
         });
@@ -230,12 +243,15 @@ fn images<T: Scalar>(
 
 /// A hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct RayContact<T> {
-    distance: T,
-    id: u64,
-    normal: [T; 2],
+pub struct RayContact<T> {
+    /// The distance along the ray.
+    pub distance: T,
+    /// The id of what is hit.
+    pub id: u64,
+    /// Unit normal there; (0, 0) at distance 0.
+    pub normal: [T; 2],
     /// From the place on the ray to the point where the shapes touch.
-    touch: [T; 2],
+    pub touch: [T; 2],
 }
 
 impl<T: Scalar> RayContact<T> {
@@ -261,6 +277,16 @@ impl<T: Scalar> FirstHit<T> {
     fn new(ray: Ray<T>, pulse: Pulse) -> Self {
         Self { ray, found: None, tests: 0, pulse }
     }
+
+    #[inline(always)]
+    fn is_nearer(&self, distance: T, id: u64) -> bool {
+        match self.found {
+            Some(first) => {
+                distance < first.distance || (distance == first.distance && id < first.id)
+            }
+            None => distance <= self.ray.max_distance,
+        }
+    }
 }
 
 impl<T: Scalar> RayPath<T> for FirstHit<T> {
@@ -279,14 +305,14 @@ impl<T: Scalar> RayPath<T> for FirstHit<T> {
             return;
         }
         let Some(distance) = hit(&self.ray, shape) else { return };
-        let nearer = match self.found {
-            Some(first) => {
-                distance < first.distance || (distance == first.distance && id < first.id)
-            }
-            None => distance <= self.ray.max_distance,
-        };
-        if nearer {
+        if self.is_nearer(distance, id) {
             self.found = Some(RayContact::new(&self.ray, shape, distance, id));
+        }
+    }
+
+    fn take(&mut self, hit: RayContact<T>) {
+        if self.is_nearer(hit.distance, hit.id) {
+            self.found = Some(hit);
         }
     }
 
@@ -350,7 +376,12 @@ impl<T: Scalar> RayPath<T> for AllHits<T> {
         }
         let Some(distance) = hit(&self.ray, shape) else { return };
         if distance <= self.ray.max_distance {
-            let hit = RayContact::new(&self.ray, shape, distance, id);
+            self.take(RayContact::new(&self.ray, shape, distance, id));
+        }
+    }
+
+    fn take(&mut self, hit: RayContact<T>) {
+        if hit.distance <= self.ray.max_distance {
             let added = memory::push(&mut self.found, hit);
             self.failed = self.failed.take().or(added.err());
         }

@@ -152,7 +152,7 @@ impl PyQuadtree {
     /// See Also
     /// --------
     /// pairs : The pairs alone.
-    /// World.contacts : The contacts of particles, with impulses.
+    /// World.last_step : The contacts of particles in the last step, with impulses.
     ///
     /// Examples
     /// --------

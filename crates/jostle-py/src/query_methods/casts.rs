@@ -25,10 +25,10 @@ macro_rules! cast_methods {
             /// Returns
             /// -------
             /// RayHit or RayHits
-            ///     The id, at equal distances the smaller; -1 if nothing is hit, so test it before you use
+            ///     The id, at equal distances the smaller; -1 if no shape is hit, so test it before you use
             ///     it as an index. The distance to the surface; 0 if a ray starts in a shape, infinity if
             ///     nothing is hit. A ray that only touches an edge hits it. The point that is hit, and the
-            ///     unit normal there, which points away from the shape.
+            ///     unit normal there, which points away from the shape. In a `World` the wall that is hit.
             ///
             /// Raises
             /// ------
@@ -40,6 +40,15 @@ macro_rules! cast_methods {
             /// shape_cast : The first shape that a moving shape hits.
             /// nearest : The nearest shape in any direction.
             ///
+            /// Notes
+            /// -----
+            /// In a :class:`World` rays and moving shapes also hit walls and the container, which is solid outside.
+            /// Then `id` is -1, and `wall` is the id of the wall or a :class:`Side`. A mask selects walls by their
+            /// categories; sides have the category 1. A one-way wall is hit only if all of the moving shape starts
+            /// strictly on the left of start → end and moves to the right. Walls that are sensors are not hit. At
+            /// equal distances a particle comes first, then a side, then a wall. In queries of `World.walls`, `id`
+            /// and `wall` are both the id of the wall; in other classes `wall` is always -1.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -50,6 +59,10 @@ macro_rules! cast_methods {
             /// >>> hits = tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
             /// >>> hits.ids, hits.distances
             /// (array([ 1, -1,  0]), array([0.5, inf, 0.5]))
+            /// >>> world = jostle.World([(3, 0)], 1.0, container=jostle.Box(-5, -5, 5, 5))
+            /// >>> hits = world.raycast((0, 0), [(1, 0), (-1, 0)])
+            /// >>> hits.ids, hits.walls, hits.distances
+            /// (array([ 0, -1]), array([-1, -2]), array([2., 5.], dtype=float32))
             #[pyo3(
                 signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None),
                 text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
@@ -88,7 +101,8 @@ macro_rules! cast_methods {
             /// -------
             /// RayHits or RayHitLists
             ///     All hits of one ray, each shape once, at equal distances the smaller id first; for
-            ///     many rays those of each.
+            ///     many rays those of each. In a `World` also walls, and the side at which
+            ///     each ray leaves the container.
             ///
             /// Raises
             /// ------

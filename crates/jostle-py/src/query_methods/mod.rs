@@ -1,4 +1,4 @@
-//! The query methods of `Quadtree` and `Space`, with their docstrings, written once.
+//! The query methods of `Quadtree`, `Space` and `World`, with their docstrings, written once.
 
 mod casts;
 mod index;
@@ -6,8 +6,8 @@ mod near;
 mod regions;
 
 pub(crate) use casts::cast_methods;
-pub use index::{CountedTree, Index};
-pub(crate) use near::near_methods;
+pub use index::{Casts, CountedTree, Index, NeighborIndex};
+pub(crate) use near::{near_methods, neighbor_methods};
 pub(crate) use regions::region_methods;
 
 /// Implements the query methods of a class. `$with_index!(self, index => ...)` evaluates an
@@ -16,6 +16,7 @@ macro_rules! query_methods {
     ($class:ident, $with_index:ident) => {
         $crate::query_methods::region_methods!($class, $with_index);
         $crate::query_methods::near_methods!($class, $with_index);
+        $crate::query_methods::neighbor_methods!($class, $with_index);
         $crate::query_methods::cast_methods!($class, $with_index);
     };
 }

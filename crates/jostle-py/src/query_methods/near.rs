@@ -75,7 +75,14 @@ macro_rules! near_methods {
                     })
                 })
             }
+        }
+    };
+}
 
+macro_rules! neighbor_methods {
+    ($class:ident, $with_index:ident) => {
+        #[pymethods]
+        impl $class {
             /// Find the neighbours of every shape within a distance.
             ///
             /// Parameters
@@ -123,4 +130,4 @@ macro_rules! near_methods {
     };
 }
 
-pub(crate) use near_methods;
+pub(crate) use {near_methods, neighbor_methods};

@@ -1,4 +1,4 @@
-//! Queries, sums and the hash of the state.
+//! Sums and the hash of the state.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -7,46 +7,9 @@ use super::PyWorld;
 use crate::arrays::{Given, column, point};
 use crate::error::refused;
 use crate::interrupt::detached;
-use crate::quadtree::PyQuadtree;
 
 #[pymethods]
 impl PyWorld {
-    /// Return a quadtree of the particles in their current state.
-    ///
-    /// It is a copy: later steps do not change it. Its queries return rows: ``world.ids[rows]`` are
-    /// the ids of these particles, if none was added, removed or merged since. Queries do not
-    /// include images beyond the sides of a torus.
-    ///
-    /// Returns
-    /// -------
-    /// Quadtree
-    ///     Discs of float32, with their categories and masks, and with the world's `leaf_capacity`,
-    ///     `max_depth` and `threads`.
-    ///
-    /// Raises
-    /// ------
-    /// MemoryError
-    ///     If there is not enough memory.
-    ///
-    /// See Also
-    /// --------
-    /// Quadtree : All queries.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0)] * 3)
-    /// >>> world.step(1.0)
-    /// >>> tree = world.quadtree()
-    /// >>> tree.nearest((6.0, 0.0)).ids
-    /// array([1])
-    /// >>> tree.query_circle((0.0, 0.0), 1.0)
-    /// array([0])
-    fn quadtree(&self, py: Python<'_>) -> PyResult<PyQuadtree> {
-        let tree = self.long(py, |state| state.world.quadtree())?;
-        Ok(PyQuadtree::of(tree.map_err(refused)?))
-    }
-
     /// Return the sum of mass times velocity of the movable particles.
     ///
     /// Returns

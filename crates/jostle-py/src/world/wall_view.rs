@@ -29,9 +29,15 @@ use crate::walls::{self, Columns, as_it_is};
 /// does. Walls that are moved by a change transfer no momentum: particles that overlap a wall are
 /// pushed out in several steps, to the side on which their centre is.
 ///
+/// Queries find walls by id, where they are now in float32, in a periodic world across its sides. Rays and
+/// moving shapes hit what casts of the `World` hit of the walls: no sensors, and one-way walls from their left
+/// alone. The first query after walls have moved
+/// or changed builds a tree of all walls; later ones use it.
+///
 /// See Also
 /// --------
 /// World.walls : Returns it.
+/// World.raycast : Rays that hit particles, walls and the container.
 /// polyline : Walls between consecutive points.
 ///
 /// Examples
@@ -44,6 +50,8 @@ use crate::walls::{self, Columns, as_it_is};
 /// >>> world.positions, world.walls.get(piston).segments
 /// (array([[0. , 1.5]], dtype=float32), array([[8.5, 0. ],
 ///        [8.5, 5. ]], dtype=float32))
+/// >>> world.walls.query_circle((0, 0), 1), world.walls.nearest((8, 9)).ids
+/// (array([0]), array([1]))
 #[pyclass(module = "jostle", name = "Walls", frozen)]
 pub struct PyWalls(Py<PyWorld>);
 
@@ -138,7 +146,7 @@ impl PyWalls {
         keywords.end()?;
         let mut new = walls::new(ends)?;
         columns.write(&mut new);
-        let added = self.0.get().long(py, |state| {
+        let added = self.world().long(py, |state| {
             // The result before the change, which could not be returned otherwise.
             let mut ids = memory::with_capacity(new.len())?;
             ids.extend(state.world.add_walls(&new)?);
@@ -174,7 +182,7 @@ impl PyWalls {
     /// 0
     fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
         let ids = Ids::read(ids, "wall")?;
-        ids.result_of(self.0.get().long(py, |state| state.world.remove_walls(&ids.all))?)
+        ids.result_of(self.world().long(py, |state| state.world.remove_walls(&ids.all))?)
     }
 
     /// Change some columns of some walls.
@@ -229,7 +237,7 @@ impl PyWalls {
         let columns = Columns::read(&mut keywords, (ids.all.len(), ids.single), as_it_is)?;
         keywords.end()?;
         ids.result_of(
-            self.0.get().long(py, |state| {
+            self.world().long(py, |state| {
                 state.world.set_walls_of(&ids.all, |walls| columns.write(walls))
             })?,
         )
@@ -266,7 +274,7 @@ impl PyWalls {
     /// 1
     fn get<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "wall")?;
-        let copies = ids.result_of(self.0.get().long(py, |state| {
+        let copies = ids.result_of(self.world().long(py, |state| {
             let rows = state.world.wall_rows_of(&ids.all)?;
             memory::collect(rows.into_iter().map(|row| state.world.walls()[row as usize]))
         })?)?;
@@ -301,7 +309,7 @@ impl PyWalls {
     /// 0
     fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         rows_of_any_shape(ids, "wall", |ids| {
-            self.0.get().long(py, |state| {
+            self.world().long(py, |state| {
                 let rows = state.world.wall_rows_of(ids);
                 rows.and_then(|rows| memory::collect(rows.into_iter().map(i64::from)))
             })
@@ -314,7 +322,7 @@ impl PyWalls {
     /// has the id.
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
-        let ids = self.0.get().long(py, |state| state.world.wall_ids())?.map_err(refused)?;
+        let ids = self.world().long(py, |state| state.world.wall_ids())?.map_err(refused)?;
         Ok(read_only(column(py, ids)))
     }
 
@@ -450,12 +458,12 @@ impl PyWalls {
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.0.get().state(py)?.world.walls().len())
+        Ok(self.world().state(py)?.world.walls().len())
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
         let id = one_id(id, "np.isin(ids, world.walls.ids) tests many")?;
-        id.map_or(Ok(false), |id| Ok(self.0.get().state(py)?.world.has_wall(id)))
+        id.map_or(Ok(false), |id| Ok(self.world().state(py)?.world.has_wall(id)))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -464,10 +472,15 @@ impl PyWalls {
 }
 
 impl PyWalls {
+    /// The world that has the walls.
+    pub(super) fn world(&self) -> &PyWorld {
+        self.0.get()
+    }
+
     /// One value of each wall.
     fn column_of<V: Send>(&self, py: Python<'_>, of: fn(&Wall) -> V) -> PyResult<Vec<V>> {
         let column = |state: &mut State| memory::collect(state.world.walls().iter().map(of));
-        self.0.get().long(py, column)?.map_err(refused)
+        self.world().long(py, column)?.map_err(refused)
     }
 
     /// A read-only array with one value of each wall.
@@ -481,7 +494,7 @@ impl PyWalls {
 
     /// Replaces a whole column.
     fn assign(&self, py: Python<'_>, name: &'static str, value: Bound<'_, PyAny>) -> PyResult<()> {
-        let world = self.0.get();
+        let world = self.world();
         let found = self.__len__(py)?;
         let columns = Columns::read_one(name, value, found)?;
         let done = world.long(py, |state| {

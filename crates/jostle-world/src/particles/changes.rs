@@ -30,6 +30,14 @@ impl Effect {
 }
 
 impl Changes {
+    /// Whether centres, radii, categories or masks may change: what a tree of the particles has.
+    pub fn is_of_shapes(&self) -> bool {
+        self.positions.is_some()
+            || self.radii.is_some()
+            || self.categories.is_some()
+            || self.masks.is_some()
+    }
+
     /// Writes the values over those of the particles in some rows. Rows that `particles` does not have are
     /// left out.
     pub fn write(&self, particles: &mut Particles, rows: &[u32]) {

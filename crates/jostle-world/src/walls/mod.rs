@@ -39,6 +39,7 @@ use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Filter, Shapes};
 pub use moving::Clock;
 pub use near::Near;
+pub use one_way::may_stop;
 use torus::{Image, check_torus, each_image, less, torus_offset};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.

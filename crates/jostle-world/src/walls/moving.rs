@@ -78,15 +78,8 @@ impl Walls {
         if self.any_moves || self.is_stale { self.build(settings, dt) } else { Ok(()) }
     }
 
-    /// Moves the walls to the end of a part of `dt` seconds.
-    pub fn end_part(&mut self, dt: f64) {
-        if self.any_moves {
-            self.advance(dt);
-        }
-    }
-
     /// Moves the walls that have a velocity for `dt` seconds.
-    fn advance(&mut self, dt: f64) {
+    pub fn advance(&mut self, dt: f64) {
         for (wall, &index) in self.all.iter_mut().zip(&self.indices) {
             if wall.moves() {
                 wall.advance(dt);

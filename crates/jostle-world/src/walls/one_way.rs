@@ -14,6 +14,25 @@ const OVERLAP: f64 = 1.0 / 64.0;
 /// The same for points, as a share of the distance that they keep.
 const OVERLAP_OF_POINT: f64 = 0.5;
 
+/// The distance of a point from the line through `start` to its left; `across` is the unit vector to the left.
+fn left_of(start: Vector, across: Vector, point: Vector) -> f64 {
+    dot(vector(|k| point[k] - start[k]), across)
+}
+
+/// Whether a wall between two points, solid from its left, may stop a rounded box that moves along `direction`: all of
+/// the box is strictly on the left, and it moves to the right.
+pub fn may_stop(
+    [start, end]: [Vector; 2],
+    (center, direction): (Vector, Vector),
+    (half_size, radius): (Vector, f64),
+) -> bool {
+    let along = vector(|k| end[k] - start[k]);
+    let length = dot(along, along).sqrt();
+    let across = [-along[1] / length, along[0] / length];
+    let extent = across[0].abs() * half_size[0] + across[1].abs() * half_size[1] + radius;
+    left_of(start, across, center) > extent && dot(direction, across) < 0.0
+}
+
 impl Line {
     /// Whether the side on which a point is may be solid.
     pub(super) fn faces(&self, point: Vector) -> bool {
@@ -22,7 +41,7 @@ impl Line {
 
     /// The distance of a point from the line to its left; negative on the right.
     pub(super) fn left_of(&self, point: Vector) -> f64 {
-        dot(vector(|k| point[k] - self.ends[0][k]), self.across())
+        left_of(self.ends[0], self.across(), point)
     }
 
     /// Whether a disc of this radius with a gap on the left comes from there.

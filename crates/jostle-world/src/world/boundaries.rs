@@ -8,8 +8,12 @@
 //! In a step the boundaries are a list of the walls near each particle, made once in a part of a step. Walls that
 //! move are where they were at its beginning, and stages that need them later give the time ([`Clock`]).
 
+use std::sync::OnceLock;
+
 use super::bodies::asleep::{Sleepers, run};
 use super::bodies::ids::{Ids, renumber};
+use super::bodies::known_or_built;
+use super::casts::tree_of_walls;
 use super::search::MAX_CANDIDATES;
 use super::settings::WorldSettings;
 use super::totals::StepSums;
@@ -46,12 +50,24 @@ pub(crate) struct Boundaries {
     /// Before the attempt at a step: the walls, if any moves, and the impulses.
     walls_before: Vec<Wall>,
     impulses_before: Vec<WallImpulse>,
+    /// The tree of the walls, by row, for queries; built by the first query after a step or an edit.
+    wall_tree: OnceLock<Quadtree<f32>>,
 }
 
 impl Boundaries {
     /// Walls with their ids, and the impulses that they gave in the last step.
     pub(crate) fn new(walls: Walls, ids: Ids, impulses: Vec<WallImpulse>) -> Self {
         Self { walls, ids, impulses, ..Self::default() }
+    }
+
+    /// The tree of the walls where they are now, by row.
+    pub(crate) fn wall_tree(&self, settings: &WorldSettings) -> Result<&Quadtree<f32>> {
+        known_or_built(&self.wall_tree, || tree_of_walls(self.walls.all(), settings))
+    }
+
+    /// Must be called when a wall moves or changes, or the period or the settings of the tree.
+    pub(crate) fn forget_wall_tree(&mut self) {
+        self.wall_tree.take();
     }
 
     /// Replaces the walls in the same container. A wall that keeps its id and its ends keeps its impulses for warm
@@ -65,6 +81,7 @@ impl Boundaries {
             old.all()[row as usize].ends == new.all()[now as usize].ends
         });
         (self.walls, self.ids) = (new, ids);
+        self.forget_wall_tree();
     }
 
     /// The id of the wall with a number, or the code of a side of the container.
@@ -85,6 +102,14 @@ impl Boundaries {
         self.pushes.clear();
         self.pushes.extend(pushes);
         Ok(())
+    }
+
+    /// Moves the walls to the end of a part of `dt` seconds.
+    pub(crate) fn end_part(&mut self, dt: f64) {
+        if self.walls.move_any() {
+            self.forget_wall_tree();
+            self.walls.advance(dt);
+        }
     }
 
     /// Restores what there was before the attempt.

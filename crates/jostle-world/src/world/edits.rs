@@ -126,6 +126,7 @@ impl World {
         let len = self.len();
         self.bodies.awake.particles.reserve(&copy, len)?;
         let indices = wake_edited(self, rows, &before, &copy)?;
+        self.bodies.forget_tree();
         let len = self.bodies.awake.rows.len();
         for (nth, index) in indices.into_iter().enumerate() {
             // Those that still sleep have not changed.
@@ -202,6 +203,9 @@ fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
         world.bodies.indices_of(rows)?
     };
     // As above, sleeping particles are left out.
+    if changes.is_of_shapes() {
+        world.bodies.forget_tree();
+    }
     let awake = &mut world.bodies.awake.particles;
     [changes, &exact].into_iter().for_each(|new| new.write(awake, &indices));
     Ok(())

@@ -9,6 +9,7 @@
 //! - [`islands`]: particles that touch, which fall asleep and wake together.
 //! - [`record`]: what happened: sums over steps ([`totals`]), and pairs that began and ceased to touch.
 //! - [`snapshot`]: the whole world in bytes.
+//! - [`queries`] of particles, [`wall_queries`], and what [`casts`] hit of walls and of the container.
 //! - [`distribution`]: the processes that share the world.
 //!
 //! [`step`] has the order of a step, [`substeps`] that of a sub-step, and [`plan`] what the stages do; their files are
@@ -18,6 +19,7 @@
 pub(crate) mod settings;
 pub(crate) mod search;
 pub(crate) mod bodies;
+pub(crate) mod casts;
 pub(crate) mod boundaries;
 pub(crate) mod reductions;
 pub(crate) mod distribution;
@@ -47,6 +49,8 @@ pub(crate) mod stage_hash;
 pub(crate) mod substeps;
 pub(crate) mod step;
 pub(crate) mod snapshot;
+pub(crate) mod queries;
+pub(crate) mod wall_queries;
 pub(crate) mod alone;
 
 use crate::contacts::{ContactShape, Contacts};
@@ -61,6 +65,7 @@ use crate::walls::Walls;
 pub use bodies::Bodies;
 use bodies::discs::Discs;
 use boundaries::Boundaries;
+pub use casts::Casts;
 use distribution::{Agreement, Distribution};
 use drive::check_motors;
 use external::External;
@@ -71,7 +76,7 @@ use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::{Each, Shapes, fill_filters};
+use jostle_index::shapes::Shapes;
 use plan::start_threads;
 pub use record::{Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
@@ -287,6 +292,8 @@ impl World {
             self.record.forget_pairs();
         }
         self.settings = settings;
+        self.bodies.forget_tree();
+        self.boundaries.forget_wall_tree();
         self.boundaries.walls.set_sides(settings.present_sides());
         start_threads(self);
         Ok(())
@@ -344,17 +351,6 @@ impl World {
     /// Numbers of the last step.
     pub fn stats(&self) -> Stats {
         self.stats
-    }
-
-    /// A quadtree of the particles as they are now; its rows are those of the particles. It has no period: on a
-    /// torus it does not find neighbours across the boundary.
-    pub fn quadtree(&self) -> Result<Quadtree<f32>> {
-        let radii = Each::Rows(self.bodies.radii()?);
-        let mut shapes = Shapes::circles(self.bodies.positions()?, radii)?;
-        if self.bodies.has_filters() {
-            fill_filters(self.bodies.filters()?.into_iter(), shapes.columns_mut().filters)?;
-        }
-        Quadtree::new(&shapes, self.settings.tree)
     }
 
     /// The present id of each id that was given, if particles merged since the record began: merged particles share the

@@ -57,6 +57,7 @@ impl World {
             let done = if self.halo.is_whole() && is_still(&self.bodies, &self.influences) {
                 skip_step(self)
             } else {
+                self.bodies.forget_tree();
                 self.step_until_complete(dt, watch)
             };
             self.record.keep_or_cancel(done.is_ok(), dt);
@@ -230,7 +231,7 @@ impl World {
                 }
             }
             // The results of the sub-steps are in `motions` so far; from here on they go to the columns.
-            self.boundaries.walls.end_part(f64::from(dt));
+            self.boundaries.end_part(f64::from(dt));
             collect_touches(self, plan.threads)?;
             store_motions(self, plan.threads)?;
             let indices = &self.scratch.forces.indices;

@@ -1,6 +1,7 @@
 //! The worlds whose memory is short, and the calls that then fail.
 
 use jostle_base::{Error, Result, memory};
+use jostle_index::query::{Circle, Ray};
 use jostle_index::{Each, shapes::Filter};
 use jostle_scenes::{self as scenes, STEP, random::Random};
 use jostle_world::forces::Gravitation;
@@ -82,7 +83,7 @@ fn tracked() -> World {
 /// A name, and a call.
 pub type Call = (&'static str, fn(&mut World) -> Result<()>);
 
-pub const CALLS: [Call; 18] = [
+pub const CALLS: [Call; 25] = [
     ("step", |world| world.step(STEP, 1)),
     ("snapshot", |world| world.snapshot().map(drop)),
     ("restore", |world| World::restore(&world.snapshot()?).map(drop)),
@@ -121,7 +122,24 @@ pub const CALLS: [Call; 18] = [
         world.configure(settings)
     }),
     ("accelerate", |world| world.set_accelerations(memory::filled(world.len(), [1.0, 0.0])?)),
-    ("quadtree", |world| world.quadtree().map(drop)),
+    ("pairs", |world| world.pairs_within(1.0, (None, true), 1 << 24).map(drop)),
+    ("overlaps", |world| world.overlaps((None, true), 1 << 24).map(drop)),
+    ("neighbors", |world| world.neighbors(1.0, None).map(drop)),
+    ("nearest", |world| {
+        let positions = world.bodies().positions()?;
+        world.nearest(&positions, (2, Each::One(5.0)), None).map(drop)
+    }),
+    ("first_hits", |world| world.first_hits(&rays(world)?, None).map(drop)),
+    ("all_hits", |world| world.all_hits(&rays(world)?, None).map(drop)),
+    ("search_walls", |world| {
+        let positions = world.bodies().positions()?;
+        let regions = Circle::all(&Each::Rows(positions), &Each::One(300.0))?;
+        world.search_walls(&regions, None).map(drop)
+    }),
+    ("wall_hits", |world| {
+        world.first_wall_hits(&rays(world)?, None)?;
+        world.all_wall_hits(&rays(world)?, None).map(drop)
+    }),
     ("contacts", |world| world.contacts().map(drop)),
     ("events", |world| {
         world.events()?;
@@ -130,6 +148,11 @@ pub const CALLS: [Call; 18] = [
     ("energy", |world| world.potential_energy().map(drop)),
     ("scene", |_| scenes::find("pile")?.create(Some(LEN), 1).map(drop)),
 ];
+
+fn rays(world: &World) -> Result<Vec<Ray<f32>>> {
+    let origins = Each::Rows(world.bodies().positions()?);
+    Ray::all(&origins, &Each::One([1.0, 0.5]), &Each::One(0.0), Each::One(20.0))
+}
 
 fn some_ids(world: &World) -> Result<Vec<i64>> {
     let mut ids = world.bodies().ids()?;

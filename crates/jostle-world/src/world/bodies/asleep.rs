@@ -197,6 +197,18 @@ impl Asleep {
         self.islands().flat_map(range).map(|at| at as usize)
     }
 
+    /// The trees of the particles, also of those of islands that are awake, and the index in the columns of the
+    /// first of each.
+    pub(crate) fn trees(&self) -> impl ExactSizeIterator<Item = (&Quadtree<f32>, usize)> {
+        self.layers.iter().map(|layer| (&layer.tree, layer.first))
+    }
+
+    /// The row of the particle with an index in the columns; None if it is awake.
+    pub(crate) fn row(&self, at: usize) -> Option<u32> {
+        let is_awake = self.is_awake[self.island_of[at] as usize];
+        (!is_awake).then(|| self.sleepers.discs.rows[at])
+    }
+
     /// The rows of the sleeping particles.
     pub(crate) fn rows(&self) -> impl Iterator<Item = u32> + '_ {
         self.indices().map(|at| self.sleepers.discs.rows[at])

@@ -11,6 +11,7 @@ pub(crate) mod asleep;
 
 use std::sync::OnceLock;
 
+use super::settings::WorldSettings;
 use crate::particles::{Particles, Spin};
 use asleep::Asleep;
 use discs::Discs;
@@ -19,7 +20,8 @@ use jostle_base::error::Result;
 use jostle_base::memory;
 use jostle_base::saved;
 use jostle_base::table::{Table, dense};
-use jostle_index::shapes::Filter;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Filter, Shapes, fill_filters};
 
 /// The particles of a world.
 #[derive(Debug, Default)]
@@ -32,9 +34,13 @@ pub struct Bodies {
     pub(crate) ids: Ids,
     /// The index of each row, once it was needed.
     indices: OnceLock<Vec<u32>>,
+    /// For queries, the tree of all particles, by row, and that of those that are awake, by index. The first query
+    /// that needs it after a step or an edit builds it.
+    tree: OnceLock<Quadtree<f32>>,
+    awake_tree: OnceLock<Quadtree<f32>>,
 }
 
-saved! { struct Bodies { awake, asleep, ids; indices } }
+saved! { struct Bodies { awake, asleep, ids; indices, tree, awake_tree } }
 
 impl Bodies {
     /// Number of particles.
@@ -202,13 +208,7 @@ impl Bodies {
     /// computed when they are first needed, and kept until [`Bodies::forget_indices`].
     pub(crate) fn indices(&self) -> Result<&[u32]> {
         // Most steps need no index by row, so the list is made on demand.
-        let indices = match self.indices.get() {
-            Some(known) => known,
-            None => {
-                let found = self.find_indices()?;
-                self.indices.get_or_init(|| found)
-            }
-        };
+        let indices = known_or_built(&self.indices, || self.find_indices())?;
         debug_assert!(self.are_indices(indices));
         Ok(indices)
     }
@@ -216,6 +216,35 @@ impl Bodies {
     /// Must be called when the order of the particles or their number changes.
     pub(crate) fn forget_indices(&mut self) {
         self.indices.take();
+        self.forget_tree();
+    }
+
+    /// The tree of all particles, by row.
+    pub(crate) fn tree(&self, settings: &WorldSettings) -> Result<&Quadtree<f32>> {
+        known_or_built(&self.tree, || {
+            let filters = if self.has_filters() { self.filters()? } else { Vec::new() };
+            tree_of((self.positions()?, self.radii()?), filters.into_iter(), settings)
+        })
+    }
+
+    /// The tree of the particles that are awake, by index.
+    pub(crate) fn awake_tree(&self, settings: &WorldSettings) -> Result<&Quadtree<f32>> {
+        known_or_built(&self.awake_tree, || {
+            let Particles { positions, radii, filters, .. } = &self.awake.particles;
+            let columns = (memory::copy(positions)?, memory::copy(radii)?);
+            tree_of(columns, filters.iter().copied(), settings)
+        })
+    }
+
+    /// Whether [`Bodies::tree`] is there already, or is the tree of those that are awake.
+    pub(crate) fn has_tree(&self) -> bool {
+        self.asleep.is_empty() || self.tree.get().is_some()
+    }
+
+    /// Must be called when a position, a radius, a filter, the period or the settings of the tree change.
+    pub(crate) fn forget_tree(&mut self) {
+        self.tree.take();
+        self.awake_tree.take();
     }
 
     fn find_indices(&self) -> Result<Vec<u32>> {
@@ -234,4 +263,29 @@ impl Bodies {
         let asleep = self.asleep.indices().map(move |at| (rows[at], (awake + at) as u32));
         self.awake.rows.iter().copied().zip(0..).chain(asleep)
     }
+}
+
+/// What `cell` has; `build` makes it if there is nothing.
+pub(crate) fn known_or_built<V>(
+    cell: &OnceLock<V>,
+    build: impl FnOnce() -> Result<V>,
+) -> Result<&V> {
+    match cell.get() {
+        Some(known) => Ok(known),
+        None => {
+            let built = build()?;
+            Ok(cell.get_or_init(|| built))
+        }
+    }
+}
+
+/// A tree of circles, with filters if there are any.
+fn tree_of(
+    (positions, radii): (Vec<[f32; 2]>, Vec<f32>),
+    filters: impl ExactSizeIterator<Item = Filter>,
+    settings: &WorldSettings,
+) -> Result<Quadtree<f32>> {
+    let mut shapes = Shapes::circles(positions, Each::Rows(radii))?;
+    fill_filters(filters, shapes.columns_mut().filters)?;
+    Quadtree::new(&shapes.in_period(settings.container.period())?, settings.tree)
 }
