@@ -12,8 +12,8 @@
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic plane;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
-    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
-    `Motor` are its forces. `World.walls` is a `Walls`, `polyline` makes them; `Side` names the
+    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat`, `Motor` and
+    `Grab` are its forces. `World.walls` is a `Walls`, `polyline` makes them; `Side` names the
     sides of a container.
     `jostle.life` has matrices for particle life.
 `Contacts`, `IdLists`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
@@ -36,6 +36,7 @@ from jostle._core import (
     Circle,
     Events,
     Flocking,
+    Grab,
     Gravitation,
     Motor,
     PairForce,
@@ -87,6 +88,7 @@ __all__ = [
     "Contacts",
     "Events",
     "Flocking",
+    "Grab",
     "Gravitation",
     "IdError",
     "IdLists",

@@ -53,6 +53,7 @@ __all__ = [
     "Circle",
     "Events",
     "Flocking",
+    "Grab",
     "Gravitation",
     "Motor",
     "PairForce",
@@ -164,6 +165,7 @@ _Force: TypeAlias = (
     | ThermalWalls
     | AndersenThermostat
     | Motor
+    | Grab
     | PairForce
     | Flocking
 )
@@ -2695,7 +2697,7 @@ class World(_ShapeQueries):
         `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
-        `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
+        `ThermalWalls`, `AndersenThermostat`, `Motor` and `Grab`, in addition to gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -3519,7 +3521,7 @@ class World(_ShapeQueries):
     @property
     def forces(self) -> tuple[_Force, ...]:
         """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
-        `Thermostat`, `ThermalWalls`,
+        `Grab`, `Thermostat`, `ThermalWalls`,
         `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
         id. If a particle is removed, its attractors and springs are removed too, and motors drive
         the others. If particles merge, forces refer to the merged particle, and a spring between
@@ -5257,6 +5259,83 @@ class Flocking:
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
+class Grab:
+    """A force that brings a particle to a point, as the mouse does when it drags a body.
+
+    It is a critically damped spring from the centre of the particle to the point: the particle
+    arrives without overshooting, at any length of a step. On its way it collides like any other,
+    and `max_force` decides what it can push or lift. On a torus the force is towards the nearest
+    image of the point.
+
+    Parameters
+    ----------
+    id : int
+        Id of the particle. It stays awake; if it is removed, so is the force.
+    point : array_like, shape (2,)
+        Where the particle is brought, in units of length.
+    rate : float
+        Per second: how fast. From rest at the distance d, the particle is at the distance
+        ``d * (1 + rate * t) * exp(-rate * t)`` after t seconds.
+    max_force : float, default inf
+        Limit of the force, in units of mass times length per second squared.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a number is out of range. When it is assigned to `World.forces`, also if there is no such
+        particle.
+
+    See Also
+    --------
+    Attractor : A force on all particles.
+    World.quadtree : Finds the particle under the mouse.
+
+    Notes
+    -----
+    Assign `World.forces` with a new `Grab` in each frame: where only grabs change, nothing wakes but
+    the particle that is grabbed, and resting contacts keep their impulses. The force does not hold
+    the weight of the particle, which hangs below the point by ``g / rate**2`` under gravity g.
+    Immovable particles do not follow.
+
+    Examples
+    --------
+    >>> import jostle
+    >>> world = jostle.World([(0, 0)], 1.0)
+    >>> world.forces = [jostle.Grab(0, (4, 0), rate=20)]
+    >>> world.step(1 / 60, steps=60)
+    >>> world.positions.round(3)
+    array([[4., 0.]], dtype=float32)
+    >>> world.forces = []  # it is released
+    """
+
+    __match_args__: Final = ("id", "point")
+    def __new__(
+        cls,
+        id: SupportsIndex,
+        point: _Point,
+        *,
+        rate: _Number,
+        max_force: _Number = math.inf,
+    ) -> Self: ...
+    @property
+    def id(self) -> int:
+        """Id of the particle."""
+    @property
+    def point(self) -> tuple[float, float]:
+        """Where it is brought, (x, y)."""
+    @property
+    def rate(self) -> float:
+        """How fast, per second."""
+    @property
+    def max_force(self) -> float:
+        """Limit of the force."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
+
+@final
 class Motor:
     """A prescribed motion of immovable particles and walls.
 
@@ -5338,7 +5417,7 @@ class Motor:
     def walls(self) -> NDArray[np.int64]:
         """Ids of the walls that it drives: read-only ndarray of int64, shape (m,)."""
     @property
-    def pivot(self) -> NDArray[np.float64]:
+    def pivot(self) -> tuple[float, float]:
         """The centre of the rotation at time 0, (x, y)."""
     @property
     def angular_velocity(self) -> float:

@@ -4,6 +4,7 @@ mod andersen;
 mod arguments;
 mod attractor;
 mod flocking;
+mod grab;
 mod gravitation;
 mod motor;
 mod pair;
@@ -11,6 +12,7 @@ mod springs;
 mod thermal_walls;
 mod thermostat;
 
+use jostle_base::Id;
 use jostle_base::error::Result;
 use jostle_world::Influence;
 use pyo3::prelude::*;
@@ -21,6 +23,7 @@ use crate::error::{refused, type_error, value_error};
 pub use andersen::PyAndersenThermostat;
 pub use attractor::PyAttractor;
 pub use flocking::PyFlocking;
+pub use grab::PyGrab;
 pub use gravitation::PyGravitation;
 pub use motor::PyMotor;
 pub use pair::PyPairForce;
@@ -43,7 +46,7 @@ macro_rules! classes {
                 return Ok(found.get().0.clone().into());
             })*
             let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
-                        jostle.ThermalWalls, jostle.AndersenThermostat, jostle.Motor, \
+                        jostle.ThermalWalls, jostle.AndersenThermostat, jostle.Motor, jostle.Grab, \
                         jostle.PairForce or jostle.Flocking";
             Err(type_error(&format!("forces[{index}]"), rule, value))
         }
@@ -64,6 +67,7 @@ classes! {
     Gravitation as PyGravitation;
     Pair as PyPairForce;
     Flocking as PyFlocking;
+    Grab as PyGrab;
     Springs as PySprings;
     Motor as PyMotor;
     Thermostat as PyThermostat;
@@ -75,6 +79,12 @@ classes! {
 fn valid<V>(own: V, validate: fn(&V) -> Result<()>) -> PyResult<V> {
     validate(&own).map_err(refused)?;
     Ok(own)
+}
+
+/// The id of a particle.
+fn one_id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Id> {
+    let id = count(name, value, 0)?;
+    Id::try_from(id).map_err(|_| value_error(name, id, "the id of a particle"))
 }
 
 /// A real number.

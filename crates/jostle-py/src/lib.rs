@@ -50,7 +50,7 @@ mod _core {
     use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::forces::{
-        PyAndersenThermostat, PyAttractor, PyFlocking, PyGravitation, PyMotor, PyPairForce,
+        PyAndersenThermostat, PyAttractor, PyFlocking, PyGrab, PyGravitation, PyMotor, PyPairForce,
         PySprings, PyThermalWalls, PyThermostat,
     };
     #[pymodule_export]

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use jostle_index::{Each, Filter};
 use jostle_world::forces::{
-    Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
-    Springs, ThermalWalls, Thermostat, WallIds,
+    Andersen, Attractor, Flocking, Grab, Gravitation, Law, Motor, PairForce, PairTable, Pole,
+    Spring, Springs, ThermalWalls, Thermostat, WallIds,
 };
 use jostle_world::{Changes, Influence, Sides, Surface, Wall, World, WorldSettings};
 
@@ -99,6 +99,7 @@ fn with_forces() -> World {
             walls: WallIds(vec![1]),
             seed: 7,
         }),
+        Influence::Grab(Grab { id: 5, point: [3.0, 4.0], rate: 2.0, max_force: 6.0 }),
         Influence::Andersen(Andersen { temperature: 1.5, rate: 0.25, seed: 8 }),
         Influence::Pair(PairForce { table: Arc::new(table.expect("valid")) }),
         Influence::Flocking(Flocking {

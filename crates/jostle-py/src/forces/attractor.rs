@@ -1,13 +1,12 @@
 //! `jostle.Attractor`.
 
-use jostle_base::Id;
 use jostle_world::forces::{Attractor, Law, Pole};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use super::arguments::{arguments, plain_arguments};
-use super::{real, valid};
-use crate::arrays::{Given, count, point, word};
+use super::{one_id, real, valid};
+use crate::arrays::{Given, point, word};
 use crate::error::value_error;
 
 /// A force towards a point or a particle.
@@ -70,7 +69,7 @@ impl PyAttractor {
     ) -> PyResult<Self> {
         let pole = match (point, particle) {
             (Some(point), None) => Pole::Point(self::point("point", point)?),
-            (None, Some(particle)) => Pole::Particle(id("particle", particle)?),
+            (None, Some(particle)) => Pole::Particle(one_id("particle", particle)?),
             _ => {
                 let rule = "an Attractor needs either a point or a particle";
                 return Err(PyTypeError::new_err(rule));
@@ -116,10 +115,4 @@ fn read_law(given: &Given<'_>) -> PyResult<Law> {
         Some("inverse_square") => Ok(Law::InverseSquare),
         Some(other) => Err(value_error("law", format!("'{other}'"), rule)),
     }
-}
-
-/// The id of a particle.
-fn id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Id> {
-    let id = count(name, value, 0)?;
-    Id::try_from(id).map_err(|_| value_error(name, id, "the id of a particle"))
 }

@@ -79,7 +79,7 @@ properties! {
 #[pymethods]
 impl PyWorld {
     /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
-    /// `Thermostat`, `ThermalWalls`,
+    /// `Grab`, `Thermostat`, `ThermalWalls`,
     /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
     /// id. If a particle is removed, its attractors and springs are removed too, and motors drive
     /// the others. If particles merge, forces refer to the merged particle, and a spring between

@@ -5,8 +5,8 @@ use std::collections::HashSet;
 
 use super::record::{Found, Gone, Record, Reference, Renamed};
 use super::{
-    Andersen, Attractor, Flocking, Force, ForceInput, Gravitation, Motor, PairForce, Partners,
-    Scratch, Springs, ThermalWalls, Thermostat, bounded,
+    Andersen, Attractor, Flocking, Force, ForceInput, Grab, Gravitation, Motor, PairForce,
+    Partners, Scratch, Springs, ThermalWalls, Thermostat, bounded,
 };
 use crate::container::Container;
 use crate::particles::check_kinds_of_table;
@@ -100,6 +100,8 @@ influences! {
     7 Pair(PairForce) as Force, "a PairForce";
     /// Separation, alignment and cohesion of neighbours.
     8 Flocking(Flocking) as Force, "Flocking";
+    /// A force that brings one particle to a point.
+    9 Grab(Grab) as Force, "a Grab";
     /// Springs between pairs of particles.
     2 Springs(Springs) as Springs, "Springs";
     /// A given motion of immovable particles and walls.
@@ -202,7 +204,7 @@ impl Influences {
         self.forces().next().is_some()
     }
 
-    /// Whether all forces are forces between neighbours.
+    /// Whether no force acts on all particles.
     pub fn are_short_ranged(&self) -> bool {
         self.forces().all(|force| force.partners() != Partners::All)
     }
@@ -210,6 +212,22 @@ impl Influences {
     /// The largest cutoff of forces between neighbours; 0 without any.
     pub fn largest_cutoff(&self) -> f32 {
         self.forces().filter_map(|force| force.partners().cutoff()).fold(0.0, f32::max)
+    }
+
+    /// The particles that are grabbed.
+    pub fn grabbed(&self) -> impl Iterator<Item = Id> + Clone {
+        self.forces().filter_map(|force| match force.partners() {
+            Partners::One(id) => Some(id),
+            _ => None,
+        })
+    }
+
+    /// Whether these differ from others by grabs at most.
+    pub fn differ_by_grabs(&self, other: &Self) -> bool {
+        let [own, others] = [self, other].map(|all| {
+            all.list.iter().filter(|influence| !matches!(influence, Influence::Grab(_)))
+        });
+        own.eq(others)
     }
 
     /// Whether any force or spring refers to particles, whose rows are then needed in the sub-steps. Motors only
@@ -253,7 +271,7 @@ impl Influences {
         accelerations.clear();
         memory::resize(accelerations, bodies.positions.len(), [0.0; 2])?;
         // Sorted once for all forces between neighbours.
-        if self.forces().any(|force| force.partners() != Partners::All) {
+        if self.forces().any(|force| force.partners().cutoff().is_some()) {
             scratch.neighbors.sort(bodies)?;
         }
         self.forces().try_for_each(|force| force.accelerate(bodies, scratch, accelerations))?;
@@ -311,7 +329,7 @@ impl Influences {
     /// Refuses kinds of particles that the table of a force does not have.
     pub fn check_kinds(&self, kinds: &[u8]) -> Result<()> {
         self.forces().try_for_each(|force| match force.partners() {
-            Partners::All => Ok(()),
+            Partners::All | Partners::One(_) => Ok(()),
             Partners::Neighbors { kinds: count, .. } => check_kinds_of_table(kinds, count),
         })
     }

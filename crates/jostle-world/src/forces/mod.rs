@@ -1,7 +1,7 @@
 //! What acts on particles, apart from gravity and contacts.
 //!
-//! Forces accelerate particles ([`Force`]): attractors, gravitation, and forces between neighbours, which are those
-//! between kinds of particles and flocking. Springs are integrated in parts of a sub-step
+//! Forces accelerate particles ([`Force`]): attractors, gravitation, grabs of one particle, and forces between
+//! neighbours, which are those between kinds of particles and flocking. Springs are integrated in parts of a sub-step
 //! ([`springs::SpringSolver`]). The thermostat and thermal walls act when particles bounce off walls, Andersen's
 //! thermostat at the end of a step. Motors move immovable particles and walls. A line in `influences` names each,
 //! and `record` derives from its fields what snapshots, renumbering and checks need.
@@ -9,6 +9,7 @@
 pub mod attractor;
 pub mod chance;
 pub mod flocking;
+pub mod grab;
 pub mod gravitation;
 mod influences;
 pub mod motor;
@@ -23,6 +24,7 @@ pub mod thermostat;
 
 pub use attractor::{Attractor, Law, Pole};
 pub use flocking::Flocking;
+pub use grab::Grab;
 pub use gravitation::Gravitation;
 pub use influences::{Influence, Influences, Role};
 pub use motor::Motor;
@@ -38,6 +40,7 @@ use std::fmt::{Debug, Display};
 use crate::container::Container;
 use crate::particles::{FARTHEST, check_vectors};
 use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 use jostle_base::settings::Method;
 use jostle_base::table::sparse_value;
 use record::Record;
@@ -67,6 +70,8 @@ pub trait Force: Debug + Record {
 pub enum Partners {
     /// All.
     All,
+    /// The particle with this id. It stays awake, and others may sleep.
+    One(Id),
     /// Those with a neighbour, if their kinds are below a number.
     Neighbors {
         /// Distance from which on there is no force.
@@ -80,7 +85,7 @@ impl Partners {
     /// The distance from which on there is no force, if there is one.
     pub fn cutoff(self) -> Option<f32> {
         match self {
-            Self::All => None,
+            Self::All | Self::One(_) => None,
             Self::Neighbors { cutoff, .. } => Some(cutoff),
         }
     }

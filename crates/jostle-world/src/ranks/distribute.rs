@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use super::domain::Domain;
 use super::domain::{domain_of, domain_of_mut};
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
-use crate::forces::{Influence, Partners, Role};
+use crate::forces::{Influence, Role};
 use crate::world::World;
 use crate::world::bodies::asleep::Asleep;
 use crate::world::islands::wake::wake_all;
@@ -105,7 +105,7 @@ pub fn check_distributable(world: &World) -> Result<()> {
     // A rank knows only particles near its own ones. A force of all particles needs all, and the
     // ends of springs and what a motor drives may be on other ranks.
     let is_local = |influence: &Influence| match influence.role() {
-        Role::Force(force) => force.partners() != Partners::All,
+        Role::Force(force) => force.partners().cutoff().is_some(),
         Role::Springs(_) | Role::Motor(_) => false,
         Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => true,
     };

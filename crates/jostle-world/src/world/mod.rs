@@ -313,7 +313,7 @@ impl World {
     }
 
     /// Changes the forces and all else that acts on particles. If they are refused, the old ones stay. All
-    /// particles wake.
+    /// particles wake; if only grabs change, those that are grabbed.
     pub fn set_forces(&mut self, forces: Vec<Influence>) -> Result<()> {
         let mut influences = Influences::from(forces);
         influences.check_kinds(&self.bodies.kinds()?)?;
@@ -326,8 +326,14 @@ impl World {
         if influences == self.influences {
             return Ok(());
         }
-        wake_all(self)?;
-        self.bodies.awake.persistent.recent_motions.clear();
+        if influences.differ_by_grabs(&self.influences) {
+            let mut rows = Vec::new();
+            memory::extend(&mut rows, influences.grabbed().map(|row| row as u32))?;
+            self.halo.protocol().wake_edited(self, &mut [], &rows)?;
+        } else {
+            wake_all(self)?;
+            self.bodies.awake.persistent.recent_motions.clear();
+        }
         self.influences = influences;
         Ok(())
     }

@@ -13,8 +13,8 @@ use jostle_base::{Error, Id, Method, Result};
 use jostle_index::{Each, Filter};
 use jostle_scenes::STEP;
 use jostle_world::forces::{
-    Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
-    Springs, ThermalWalls, Thermostat, WallIds,
+    Andersen, Attractor, Flocking, Grab, Gravitation, Law, Motor, PairForce, PairTable, Pole,
+    Spring, Springs, ThermalWalls, Thermostat, WallIds,
 };
 use jostle_world::{
     Changes, Container, Influence, OnTouch, Particles, Sides, Spin, Surface, Wall, World,
@@ -213,7 +213,7 @@ impl WorldCase {
     fn draw_force(&self, draw: &mut Draw) -> Influence {
         let some = draw.subset(&self.ids, 2);
         let seed = draw.below(9) as u32;
-        match draw.below(10) {
+        match draw.below(11) {
             0 => Influence::Attractor(Attractor {
                 pole: Pole::Point([4.0, 5.0]),
                 strength: 3.0,
@@ -246,6 +246,10 @@ impl WorldCase {
                 let values = (0..9 * 5).map(|k| (k * 7 % 11) as f32 - 5.0).collect();
                 let table = PairTable::new(3, values, 2.5, 0.1).expect("valid");
                 Influence::Pair(PairForce { table: Arc::new(table) })
+            }
+            10 if !some.is_empty() => {
+                let max_force = draw.pick(&[f32::INFINITY, 20.0]);
+                Influence::Grab(Grab { id: some[0], point: [4.0, 5.0], rate: 9.0, max_force })
             }
             7 => Influence::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed }),
             8 => {

@@ -11,10 +11,10 @@ use super::groups::is_member;
 use super::motion::{note_motions, quarter};
 use super::{Islands, NONE};
 use crate::contacts::{Contact, Contacts};
-use crate::forces::{Influence, Influences, Role};
+use crate::forces::{Influence, Influences, Partners, Role};
 use crate::walls::Walls;
 use crate::world::bodies::asleep::{Island, Sleepers};
-use crate::world::bodies::discs::Discs;
+use crate::world::bodies::discs::{Discs, RecentMotion};
 use crate::world::force_step::awake_springs;
 use crate::world::plan::Plan;
 use crate::world::settings::{OnTouch, WorldSettings};
@@ -26,10 +26,11 @@ use jostle_base::table::{Table, dense};
 /// Whether anything may fall asleep with these settings, forces and walls.
 pub(crate) fn may_sleep(settings: &WorldSettings, influences: &Influences, walls: &Walls) -> bool {
     // A force that acts at a distance would have to wake what it moves. Springs connect
-    // particles of one island, or an island and an immovable particle.
+    // particles of one island, or an island and an immovable particle. What is grabbed stays awake.
     let lets_rest = |influence: &Influence| match influence.role() {
         Role::Springs(_) | Role::Motor(_) | Role::Thermostat(_) => true,
-        Role::Force(_) | Role::ThermalWalls(_) | Role::Andersen(_) => false,
+        Role::Force(force) => matches!(force.partners(), Partners::One(_)),
+        Role::ThermalWalls(_) | Role::Andersen(_) => false,
     };
     settings.sleeping
         && settings.on_touch == OnTouch::Bounce
@@ -55,6 +56,13 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
         dt,
         plan.threads,
     )?;
+    // A grab may hold a particle for the moment only.
+    for row in influences.grabbed() {
+        let index = scratch.forces.indices[row as usize];
+        if let Some(recent) = discs.persistent.recent_motions.get_mut(index as usize) {
+            *recent = RecentMotion::UNKNOWN;
+        }
+    }
     if quarter(world.time) == quarter(world.time + dt) {
         return Ok(());
     }
