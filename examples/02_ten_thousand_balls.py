@@ -16,7 +16,7 @@ world = jostle.World(
     restitution=0.5,
     container=jostle.Box(0, 0, *show.SIZE),
 )
-plough = world.add([(180, 158)], 36, masses=1e6)
+plough = world.add((180, 158), 36, masses=1e6)
 
 # One ball of each colour is drawn once and copied: faster than drawing 10,000 circles.
 stamps = [pygame.Surface((8, 8), pygame.SRCALPHA) for _ in show.RAMP]
@@ -26,11 +26,10 @@ column = (places[:, 0] / show.WIDTH * len(stamps)).astype(int)  # coloured by th
 stamp_of = [stamps[k] for k in column]
 
 for screen in show.frames("Ten thousand balls", until=200):
-    center = world.positions[n].astype(float)
-    world.set(plough, velocities=[10 * (pygame.mouse.get_pos() - center)])
+    world.forces = [jostle.Grab(plough, pygame.mouse.get_pos(), rate=20)]
     world.step(1 / 60)
 
     corners = (world.positions[:n] - 4).tolist()
     screen.fblits(list(zip(stamp_of, corners)))
-    pygame.draw.aacircle(screen, show.TEXT, center, 36)
+    pygame.draw.aacircle(screen, show.TEXT, world.positions[n].tolist(), 36)
     show.caption(screen, f"{n:,} balls, {len(world.last_step.contacts.pairs):,} contacts")

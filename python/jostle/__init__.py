@@ -25,7 +25,7 @@
 `Particle`, `Particles`, `Wall`, `WallColumns`
     Copies of some particles and walls.
 `IdError`
-    Nothing has an id that was given.
+    The exception for an id that nothing has.
 """
 
 from jostle import life, scenes

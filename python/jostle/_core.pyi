@@ -3069,11 +3069,52 @@ class World(_ShapeQueries):
         array([6., 0.])
         >>> world.set(0, positions=(2, 1))
         """
-    def force(self, ids: ArrayLike, forces: _Vectors) -> None:
+    def apply_impulse(
+        self, ids: ArrayLike, impulses: _Vectors, points: _Vectors | None = None
+    ) -> None:
+        """Give impulses to some particles, at once.
+
+        An impulse P changes the velocity by P/m, and, if it acts at a point, the angular velocity by
+        r × P/I, where r is the offset of the point from the centre and I = m r²/2 the moment of
+        inertia. Impulses on the same particle add up, and their sum is rounded once.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            The particles; one may be given more than once. Immovable ones do not change.
+        impulses : array_like, shape (k, 2), or (2,) for one id
+            In units of mass times length per second. An impulse wakes the particle.
+        points : array_like, shape (k, 2), or (2,) for one id, optional
+            Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
+            image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
+
+        Raises
+        ------
+        IdError
+            If an id does not exist; then nothing is changed.
+        TypeError, ValueError
+            If a shape is wrong, or a number is not finite or too large; then nothing is changed.
+
+        See Also
+        --------
+        apply_force : Forces during the next call of `step`.
+        momentum : Their sum is added to it.
+
+        Examples
+        --------
+        A disc is hit at its right end, from below:
+
+        >>> import jostle
+        >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
+        >>> world.apply_impulse(1, (0, 6), points=(6, 0))
+        >>> world.velocities.tolist(), world.angular_velocities.tolist()
+        ([[0.0, 0.0], [0.0, 3.0]], [0.0, 6.0])
+        """
+    def apply_force(self, ids: ArrayLike, forces: _Vectors) -> None:
         """Add given forces on some particles, for the next call of `step`.
 
-        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces
-        on the same particle add up.
+        They act at the centres during all steps of that call, beside gravity and `forces`, and end with
+        it. Forces on the same particle add up. They are kept by snapshots and files.
 
         Parameters
         ----------
@@ -3091,13 +3132,15 @@ class World(_ShapeQueries):
 
         See Also
         --------
-        World.accelerations : Those of all particles.
+        apply_impulse : Impulses, which act at once.
+        net_forces : The sum of all forces, these included.
+        accelerations : Those of all particles.
 
         Examples
         --------
         >>> import jostle
         >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
-        >>> world.force(1, (0, 6))
+        >>> world.apply_force(1, (0, 6))
         >>> world.step(0.5, steps=2)
         >>> world.velocities.tolist()
         [[0.0, 0.0], [0.0, 3.0]]
@@ -3238,7 +3281,7 @@ class World(_ShapeQueries):
         """Given accelerations in the next call of `step`: ndarray of float32, shape
         (n, 2), a read-only copy in units of length per second².
 
-        Assign an array of this shape before each call, or None for none; `force` adds to it. They
+        Assign an array of this shape before each call, or None for none; `apply_force` adds to it. They
         act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
         particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
         the call.
@@ -3250,7 +3293,7 @@ class World(_ShapeQueries):
 
         See Also
         --------
-        World.force : Forces on some particles.
+        apply_force : Forces on some particles.
 
         Examples
         --------
@@ -3600,6 +3643,32 @@ class World(_ShapeQueries):
     @sleeping.setter
     def sleeping(self, value: bool) -> None: ...
     @property
+    def unwrapped_positions(self) -> NDArray[np.float64]:
+        """Where the particles would be without a period: ndarray of float64, shape (n, 2), a read-only
+        copy in units of length.
+
+        A particle that leaves a periodic plane on one side enters on the other, and `positions` are
+        from 0 to the period. Here the periods that it has travelled are added, so differences from
+        step to step are displacements. All digits of the state are included, also those that
+        float32 removes from `positions`. A particle that is added, or is given another position by
+        `set` or by assigning `positions`, begins at that position. If the period changes, all begin
+        at their `positions`. A merged particle continues the path of that whose id it has.
+
+        Without a period they are the positions. They are kept by snapshots and files.
+
+        See Also
+        --------
+        positions : Within the period.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World([(9, 5)], 1.0, velocities=[(2, 0)], period=10)
+        >>> world.step(0.5, steps=26)
+        >>> world.positions, world.unwrapped_positions
+        (array([[5., 5.]], dtype=float32), array([[35.,  5.]]))
+        """
+    @property
     def asleep(self) -> NDArray[np.bool_]:
         """Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
 
@@ -3633,6 +3702,145 @@ class World(_ShapeQueries):
         >>> world.step(1 / 60, steps=60)
         >>> world.asleep
         array([ True, False])
+        """
+    def free_positions(
+        self,
+        n: int,
+        radii: ArrayLike,
+        *,
+        region: Box | Circle | None = None,
+        gap: float = 0.0,
+        seed: int = 0,
+    ) -> NDArray[np.float32]:
+        """Return random positions at which new discs touch nothing.
+
+        The discs touch neither each other nor particles, walls or the sides of the container, at their
+        present places. Sensors, walls among them, do not count; filters make no difference. Nothing is added. The
+        positions are those of random sequential addition: one after the other, large discs first, each
+        uniform among the positions that are still free. So discs of one radius fill at most about
+        54 % of a region.
+
+        Parameters
+        ----------
+        n : int
+            Number of discs.
+        radii : array_like, a number or shape (n,)
+            In units of length.
+        region : Box or Circle, optional
+            The discs lie inside of it entirely. If omitted, the container or the period of the world;
+            required in a world that has neither.
+        gap : float, default 0
+            Least distance of surfaces from each other, in units of length, also from walls and the
+            sides of the container.
+        seed : int, default 0
+            Seed of the random numbers, below 2³². The same seed gives the same positions on every machine.
+
+        Returns
+        -------
+        ndarray of float32, shape (n, 2)
+            Centres in the order of `radii`.
+
+        Raises
+        ------
+        TypeError
+            If an argument has the wrong type.
+        ValueError
+            If there is no room for all discs, with the number that found room; if a radius does not fit
+            into the region or the container; if there is no region, or a number is out of range.
+
+        See Also
+        --------
+        add : Add particles at the positions.
+        separate : Move shapes apart, also those that are denser.
+
+        Notes
+        -----
+        For each disc up to 100,000 positions are tried. A disc finds room if about one position in
+        10,000 is free.
+
+        References
+        ----------
+        B. Widom, *Random Sequential Addition of Hard Spheres to a Volume*, Journal of Chemical Physics
+        44 (1966).
+
+        Examples
+        --------
+        >>> import jostle
+        >>> world = jostle.World(container=jostle.Box(0, 0, 40, 30))
+        >>> ids = world.add(world.free_positions(100, 1.0, seed=1), 1.0)
+        >>> len(world.pairs())
+        0
+        >>> corner = world.free_positions(1, 0.5, region=jostle.Box(0, 0, 20, 20), gap=0.1)
+        >>> corner.shape
+        (1, 2)
+        """
+    def net_forces(self) -> NDArray[np.float64]:
+        """Return the sum of the forces on each particle at the present state, without those of contacts.
+
+        It is m (gravity - drag v), and the forces of `forces` that accelerate particles: `Attractor`,
+        `Gravitation`, `PairForce`, `Flocking`, `Grab` and `Springs`, with their damping; and what is
+        given for the next call of `step`. Contacts, walls and sides are left out: `last_step` has their
+        impulses. So are the speed limits of `Flocking`, and thermostats.
+
+        Returns
+        -------
+        ndarray of float64, shape (n, 2)
+            In units of mass times length per second squared, in the order of `ids`; 0 for immovable
+            particles.
+
+        See Also
+        --------
+        force_virial : The sum of offset times force over all pairs.
+        potential_energy : Its negative gradient is the part of the forces that has a potential.
+
+        Notes
+        -----
+        Positions are those of float32. Accelerations are computed in float32, as in a step, for all
+        particles, so the cost is about that of the forces in a sub-step.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> spring = jostle.Springs([(0, 1)], lengths=1.0, stiffness=10.0)
+        >>> world = jostle.World(
+        ...     [(0, 0), (3, 0)], 0.1, masses=2.0, gravity=(0, -1), forces=[spring]
+        ... )
+        >>> world.net_forces()
+        array([[ 20.,  -2.],
+               [-20.,  -2.]])
+        """
+    def force_virial(self) -> NDArray[np.float64]:
+        """Return the virial of the forces between pairs at the present state: the sum of offset times
+        force over all pairs, as `collision_virial` of `last_call` is that of offset times impulse.
+
+        The offset is from one particle of the pair to the nearest image of the other, the force is that
+        on the other: repulsion is positive. The forces are those of `PairForce`, `Gravitation` and
+        `Springs`, with their damping. If those of a `PairForce` are not equal and opposite, a pair has
+        the mean of both. Gravity, `Attractor` and `Flocking` do not act between pairs and are left
+        out.
+
+        Returns
+        -------
+        ndarray of float64, shape (2, 2)
+            In units of energy. The first index is the axis of the offset, the second that of the force.
+
+        See Also
+        --------
+        net_forces : The forces on each particle.
+        last_call : The virial of collisions, summed over all steps of a call.
+
+        Notes
+        -----
+        The pressure on an area A is (n T + ½ tr W) / A, where T is the temperature and W the mean of the
+        virial. The mean of collisions is `collision_virial` over `duration`.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> spring = jostle.Springs([(0, 1)], lengths=1.0, stiffness=10.0)
+        >>> jostle.World([(0, 0), (3, 0)], 0.1, forces=[spring]).force_virial()
+        array([[-60.,   0.],
+               [  0.,   0.]])
         """
     def pairs(
         self,
@@ -4169,15 +4377,14 @@ class Walls(_Queries):
     them as a whole, or change some walls with `set`. A change wakes all particles. It costs as much
     as all walls, so change many at once.
 
-    A wall is solid from both sides, and so are its ends, unless it is `one_way` or one of the
-    `sensors`. It moves with its velocity in each step, and pushes particles as a kinematic particle
-    does. Walls that are moved by a change transfer no momentum: particles that overlap a wall are
-    pushed out in several steps, to the side on which their centre is.
+    A wall stops particles from both sides and at its ends. A wall that is `one_way` stops them only
+    from its left, and a sensor stops none. A wall moves with its velocity in each step, and pushes
+    particles as a kinematic particle does. Walls that are moved by a change transfer no momentum:
+    particles that overlap a wall are pushed out in several steps, to the side on which their centre is.
 
     Queries find walls by id, where they are now in float32, in a periodic world across its sides. Rays and
-    moving shapes hit what casts of the `World` hit of the walls: no sensors, and one-way walls from their left
-    alone. The first query after walls have moved
-    or changed builds a tree of all walls; later ones use it.
+    moving shapes hit the same walls as casts of the `World`: no sensors, and one-way walls only from their left.
+    The first query after walls have moved or changed builds a tree of all walls; later ones use it.
 
     See Also
     --------
@@ -4224,8 +4431,8 @@ class Walls(_Queries):
             Coefficients. A contact has the square root of the product with that of the particle. None,
             and NaN for one wall, is the coefficient of the particle.
         sensors : array_like of bool, one or shape (k,), default False
-            Whether the wall is a sensor: no particle feels it, and `World.wall_events` tells which
-            particles touch it, also on their way through within one step.
+            Whether the wall is a sensor: it stops no particle. `World.wall_events` has the particles that
+            touch it, also those that cross it within one step.
         one_way : array_like of bool, one or shape (k,), default False
             Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx),
             where (dx, dy) is ``end - start``. A particle comes from there if all of it is there, up to an
@@ -4457,9 +4664,9 @@ class Walls(_Queries):
     def restitution(self, value: ArrayLike | None) -> None: ...
     @property
     def sensors(self) -> NDArray[np.bool_]:
-        """Which walls are sensors, which no particle feels: ndarray of bool, shape (m,), a read-only copy.
+        """Which walls are sensors, which stop no particle: ndarray of bool, shape (m,), a read-only copy.
 
-        `World.wall_events` tells which particles touch them. To change all, assign an array or one bool.
+        `World.wall_events` has the particles that touch them. To change all, assign an array or one bool.
         """
     @sensors.setter
     def sensors(self, value: ArrayLike) -> None: ...
@@ -4764,11 +4971,13 @@ class Attractor:
         If not exactly one of `point` and `particle` is given, or it does not hold numbers.
     ValueError
         If a number is not finite, or there is no such law.
+    IdError
+        When it is assigned to `World.forces`, if no particle has the id.
 
     See Also
     --------
     Gravitation : Attraction between all particles.
-    World.force : Forces from NumPy.
+    World.apply_force : Forces from NumPy.
 
     Examples
     --------
@@ -4901,6 +5110,8 @@ class Springs:
         If an argument has the wrong type.
     ValueError
         If a shape is wrong or a number is out of range; the message says which.
+    IdError
+        When it is assigned to `World.forces`, if no particle has an id.
 
     See Also
     --------
@@ -5260,44 +5471,46 @@ class Flocking:
 
 @final
 class Grab:
-    """A force that brings a particle to a point, as the mouse does when it drags a body.
+    """A force that pulls a particle to a point, for instance to the mouse.
 
-    It is a critically damped spring from the centre of the particle to the point: the particle
-    arrives without overshooting, at any length of a step. On its way it collides like any other,
-    and `max_force` decides what it can push or lift. On a torus the force is towards the nearest
-    image of the point.
+    It is a critically damped spring from the centre of the particle to the point. A particle at rest
+    does not move beyond the point, at any length of a step. One that has a velocity, or whose force is
+    limited by `max_force`, may. The particle collides as others do; `max_force` limits what it can push
+    or lift. In a periodic world the force is towards the nearest image of the point.
 
     Parameters
     ----------
     id : int
         Id of the particle. It stays awake; if it is removed, so is the force.
     point : array_like, shape (2,)
-        Where the particle is brought, in units of length.
+        Where the particle is pulled to, in units of length.
     rate : float
-        Per second: how fast. From rest at the distance d, the particle is at the distance
-        ``d * (1 + rate * t) * exp(-rate * t)`` after t seconds.
+        Speed of the approach, per second, at least 0. For short sub-steps a particle that starts at
+        rest at the distance d is at the distance ``d * (1 + rate * t) * exp(-rate * t)`` after t
+        seconds.
     max_force : float, default inf
-        Limit of the force, in units of mass times length per second squared.
+        Limit of the force, at least 0, in units of mass times length per second squared.
 
     Raises
     ------
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a number is out of range. When it is assigned to `World.forces`, also if there is no such
-        particle.
+        If a number is out of range.
+    IdError
+        When it is assigned to `World.forces`, if no particle has the id.
 
     See Also
     --------
     Attractor : A force on all particles.
-    World.quadtree : Finds the particle under the mouse.
+    World.query_point : Finds the particle under the mouse.
 
     Notes
     -----
-    Assign `World.forces` with a new `Grab` in each frame: where only grabs change, nothing wakes but
-    the particle that is grabbed, and resting contacts keep their impulses. The force does not hold
-    the weight of the particle, which hangs below the point by ``g / rate**2`` under gravity g.
-    Immovable particles do not follow.
+    Assign a new `Grab` to `World.forces` in each frame. If only grabs change, only the islands of the
+    grabbed particles wake, and resting contacts keep their impulses. Under gravity g the particle
+    rests below the point by ``g * (1 + rate * h)**2 / rate**2``, where h is the length of a sub-step.
+    Immovable particles do not move.
 
     Examples
     --------
@@ -5366,7 +5579,9 @@ class Motor:
     ValueError
         If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
         not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
-        particle is movable or a wall does not exist.
+        particle is movable.
+    IdError
+        When it is assigned to `World.forces`, if a particle or a wall does not exist.
 
     See Also
     --------
@@ -5513,8 +5728,10 @@ class ThermalWalls:
         If an argument has the wrong type.
     ValueError
         If a number is out of range, or a side or a wall is given twice. When it is assigned to
-        `World.forces`, also if a wall does not exist, or has a temperature already, or the container does
-        not have a side. A change of `World.container` to one without it is refused, too.
+        `World.forces`, also if a wall has a temperature already, or the container does not have a
+        side. A change of `World.container` to one without it is refused, too.
+    IdError
+        When it is assigned to `World.forces`, if a wall does not exist.
 
     See Also
     --------

@@ -223,9 +223,23 @@ def test_frames_name_contacts_and_springs_by_rows() -> None:
 def test_a_held_particle_is_found_after_others_are_removed() -> None:
     simulation = world_of([(100, 100), (300, 100), (500, 100)])
     simulation.remove([0])
-    simulation.drag(2, (520.0, 100.0), (0.0, 0.0))
+    simulation.grab(2, (520.0, 100.0), (0.0, 0.0))
+    simulation.step()
     speeds = simulation.frame().velocities[:, 0]
     assert speeds[0] == 0 and speeds[1] > 0
+    simulation.remove([2])
+    assert simulation.world.forces == ()
+
+
+def test_what_is_let_go_is_pulled_no_more_also_in_a_saved_state() -> None:
+    simulation = world_of([(100, 100), (300, 100)])
+    simulation.grab(1, (320.0, 100.0), (0.0, 0.0))
+    simulation.step()
+    state = simulation.save()
+    simulation.release()
+    assert simulation.world.forces == ()
+    simulation.load(state)
+    assert simulation.world.forces == ()
 
 
 def test_particles_that_merge_keep_the_tag_and_the_attraction_of_the_oldest() -> None:

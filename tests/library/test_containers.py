@@ -112,7 +112,7 @@ WRONG = {
         (jostle.Circle, ((0, 0), -1), f"container is Circle((0, 0), -1); {CIRCLE_RULE}"),
         (jostle.Circle, ((0, NAN), 1), f"container is Circle((0, NaN), 1); {CIRCLE_RULE}"),
         (jostle.Circle, ((0, 0), INF), f"container is Circle((0, 0), inf); {CIRCLE_RULE}"),
-        (jostle.Circle, (0, 1), "center has shape (); it must be (2,)"),
+        (jostle.Circle, (0, 1), "center is 0; it must be two numbers, such as (0, 0)"),
         (jostle.Circle, ((1, 2, 3), 1), "center has shape (3,); it must be (2,)"),
     ],
     TypeError: [

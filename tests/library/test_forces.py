@@ -1,4 +1,4 @@
-"""`Attractor`, `Gravitation`, `Springs`, `Thermostat`, `World.accelerations` and `World.force`."""
+"""`Attractor`, `Gravitation`, `Springs`, `Thermostat`, `accelerations` and `apply_force`."""
 
 import math
 import re
@@ -124,8 +124,8 @@ def test_accelerations_act_in_all_steps_of_one_call(steps: int) -> None:
     pushed = pushed_world()
     assert not pushed.accelerations.any()
     pushed.accelerations = [(0, 3), (0, 0), (1, 1)]
-    pushed.force(1, (0, -4))
-    pushed.force([1, 0], [(0, 2), (0, 1)])
+    pushed.apply_force(1, (0, -4))
+    pushed.apply_force([1, 0], [(0, 2), (0, 1)])
     assert pushed.accelerations.tolist() == [[0, 4], [0, -1], [0, 0]]
     assert not pushed.accelerations.flags.writeable
     pushed.step(1.0, steps=0)
@@ -138,7 +138,7 @@ def test_accelerations_act_in_all_steps_of_one_call(steps: int) -> None:
 
 def test_none_ends_accelerations() -> None:
     pushed = pushed_world()
-    pushed.force(0, (1, 1))
+    pushed.apply_force(0, (1, 1))
     pushed.accelerations = None
     pushed.step(1.0)
     assert not pushed.velocities.any()
@@ -169,15 +169,15 @@ def test_a_magnetic_field_turns_velocities() -> None:
             lambda w: setattr(w, "accelerations", [(0, 0), (0, np.inf), (0, 0)]),
             "accelerations[1] is (0, inf); both coordinates must be finite",
         ),
-        (lambda w: w.force(3, (0, 0)), "ids is 3; no particle has this id"),
-        (lambda w: w.force([0, 3], [(0, 0)] * 2), "ids[1] is 3; no particle has this id"),
-        (lambda w: w.force([0, 1], (1, 1)), "forces has shape (2,)"),
-        (lambda w: w.force(0, (np.nan, 1)), "forces"),
+        (lambda w: w.apply_force(3, (0, 0)), "ids is 3; no particle has this id"),
+        (lambda w: w.apply_force([0, 3], [(0, 0)] * 2), "ids[1] is 3; no particle has this id"),
+        (lambda w: w.apply_force([0, 1], (1, 1)), "forces has shape (2,)"),
+        (lambda w: w.apply_force(0, (np.nan, 1)), "forces"),
     ],
 )
 def test_wrong_accelerations_are_refused(change: Any, message: str) -> None:
     pushed = pushed_world()
-    pushed.force(0, (1, 2))
+    pushed.apply_force(0, (1, 2))
     before = pushed.snapshot()
     with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
         change(pushed)

@@ -48,6 +48,26 @@ def test_it_arrives_at_any_length_of_a_step(rate: float, dt: float) -> None:
     assert farthest < 9
 
 
+@pytest.mark.parametrize("rate", [3.0, 20.0, 200.0, 1e5])
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 60, 0.5])
+def test_from_rest_it_never_goes_beyond_the_point(rate: float, dt: float) -> None:
+    world = jostle.World([(0, 0)], 1.0, forces=[jostle.Grab(0, (5, -2), rate=rate)])
+    for _ in range(int(12 / dt)):
+        world.step(dt)
+        assert (world.positions[0] * (1, -1) < (5 + 1e-4, 2 + 1e-4)).all()
+    np.testing.assert_allclose(world.positions, [(5, -2)], atol=1e-4)
+
+
+def test_it_pushes_what_is_in_the_way_and_leaves_immovable_particles() -> None:
+    pull = jostle.Grab(0, (8, 0), rate=10)
+    world = jostle.World([(0, 0), (5, 0)], 1.0, masses=[10, 1], restitution=0, forces=[pull])
+    world.step(STEP, steps=120)
+    assert world.positions[0, 0] == pytest.approx(8, abs=0.05) and world.positions[1, 0] > 9.9
+    world = jostle.World([(0, 0)], 1.0, movable=False, forces=[pull])
+    world.step(STEP, steps=60)
+    assert world.positions.tolist() == [[0, 0]]
+
+
 def test_the_force_has_a_limit() -> None:
     world = jostle.World([(0, 0)], 1.0, masses=2.0)
     world.forces = [jostle.Grab(0, (3e3, 4e3), rate=20, max_force=10)]
@@ -163,7 +183,7 @@ def test_threads_method_and_order_do_not_show() -> None:
         ),
         (
             lambda: jostle.World([(0, 0)], 1.0, forces=[jostle.Grab(1, (0, 0), rate=1)]),
-            ValueError,
+            jostle.IdError,
             "forces[0] is a force on particle 1; ",
         ),
     ],

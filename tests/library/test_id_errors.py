@@ -26,7 +26,7 @@ def world() -> jostle.World:
     return particles
 
 
-#: What has ids, made anew; the call with some ids; what the object is afterwards.
+#: A function that makes what has ids, and the call with some ids.
 CALLS: dict[str, tuple[Callable[[], Any], Callable[[Any, Any], object]]] = {
     "Space.get": (space, lambda space, ids: space.get(ids)),
     "Space.rows": (space, lambda space, ids: space.rows(ids)),

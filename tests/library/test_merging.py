@@ -100,7 +100,7 @@ def test_given_accelerations_of_removed_particles_do_not_act() -> None:
             [(0, 0), (3, 0.3), (90, 0)], 1.0, velocities=[(1, 0), (-1, 0), (0, 0)], drag=0.3
         )
         if accelerated:
-            world.force([2], [(1, 0)])
+            world.apply_force([2], [(1, 0)])
         world.remove([2])
         world.step(0.5)
         return world.state_hash()

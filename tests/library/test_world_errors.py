@@ -79,7 +79,7 @@ NOTHING_CHANGED: dict[type[Exception], list[tuple[Act, str]]] = {
         (lambda w: w.add([(0, 1e30)], 1), "positions[0] is (0"),
         (setting("positions", [(0, 0)]), "positions has shape (1, 2); it must"),
         (setting("radii", [1, 2, -3]), "radii[2] is -3; a radius must be"),
-        (setting("gravity", 9.81), "gravity has shape (); it must be (2,)"),
+        (setting("gravity", 9.81), "gravity is 9.81; it must be two numbers, such as (0, 9.81)"),
         (setting("gravity", (0, np.inf)), "gravity is (0, inf); both"),
         (setting("drag", -1), "drag is -1; it must be finite and at least 0"),
         (setting("restitution", 1.5), "restitution is 1.5; a restitution must lie"),

@@ -207,8 +207,8 @@ def test_given() -> None:
             ids = world.ids[np.arange(30) * 7 % 20]
             own = ids[comm().rank :: comm().size]
             all_ids = np.concatenate([ids[rank :: comm().size] for rank in range(comm().size)])
-            world.force(all_ids, by_id[all_ids])
-            ours.force(own, by_id[own])
+            world.apply_force(all_ids, by_id[all_ids])
+            ours.apply_force(own, by_id[own])
             step_alike(name, ours, world, 1 / 60, 5, gathers=call == 1)
             assert not ours.accelerations.any()
         step_alike(name, ours, world, 1 / 60, 5)
@@ -218,9 +218,11 @@ def test_given() -> None:
     )
     wrong = np.full((len(ours), 2), np.nan if is_last else 0.0)
     refuse(lambda: setattr(ours, "accelerations", wrong), "accelerations[0] is (nan, nan)")
-    refuse(lambda: ours.force(10**6 if is_last else [], (0, 1) if is_last else []), "1000000")
+    refuse(lambda: ours.apply_force(10**6 if is_last else [], (0, 1) if is_last else []), "1000000")
     first = int(comm().bcast(ours.ids[ours.movable][0] if comm().rank == 0 else None))
-    refuse(lambda: ours.force([first] * 99, [(1e18, 0)] * 99), f"of particle {first} would be")
+    refuse(
+        lambda: ours.apply_force([first] * 99, [(1e18, 0)] * 99), f"of particle {first} would be"
+    )
     assert not ours.accelerations.any()
     step_alike("after what is refused", ours, world, 1 / 60)
 
@@ -307,3 +309,58 @@ def test_parts() -> None:
         step_alike("clusters", ours, whole, 1 / 60, 10)
     refuse(lambda: jostle.mpi.create_scene(comm(), "nothing"), "nothing")
     refuse(lambda: jostle.mpi.create_scene(comm(), "stars", n=10), "")
+
+
+@up_to(3)
+def test_impulses() -> None:
+    """Impulses of any rank on particles of any rank, at once, some of them twice."""
+    for name, world in (("gas", gas(150)), ("spins", gas(150, friction=0.3, container="torus"))):
+        ours = scattered(world, unevenly, every=3)
+        for call in range(4):
+            step_alike(name, ours, world, 1 / 60, 3)
+            rng = np.random.default_rng(call)
+            ids = world.ids[rng.integers(0, len(world), 40)]
+            impulses, points = rng.normal(0, 9, (40, 2)), rng.uniform(0, 30, (40, 2))
+            order = np.concatenate(
+                [np.arange(40)[rank :: comm().size] for rank in range(comm().size)]
+            )
+            own = np.arange(40)[comm().rank :: comm().size]
+            if call == 3:  # only the first rank gives any, at the centres
+                order, own = np.arange(40), np.arange(40 if comm().rank == 0 else 0)
+            of = {} if call == 3 else {"points": points[own]}
+            world.apply_impulse(ids[order], impulses[order], None if call == 3 else points[order])
+            ours.apply_impulse(ids[own], impulses[own], **of)
+            assert ours.state_hash() == world.state_hash(), f"{name}: {call}"
+        step_alike(name, ours, world, 1 / 60, 3)
+    is_last = comm().rank == comm().size - 1
+    refuse(
+        lambda: ours.apply_impulse(10**6 if is_last else [], (0, 1) if is_last else []), "1000000"
+    )
+    first = int(comm().bcast(ours.ids[ours.movable][0] if comm().rank == 0 else None))
+    refuse(
+        lambda: ours.apply_impulse([first] * 2, [(1e18, 0)] * 2),
+        f"of particle {first} would be too large",
+    )
+    if comm().size > 1:
+        points = (0, 0) if is_last else None
+        refuse(
+            lambda: ours.apply_impulse(first, (0, 1), points), "points are given by some ranks only"
+        )
+    step_alike("after what is refused", ours, world, 1 / 60)
+
+
+@up_to(3)
+def test_unwrapped_positions() -> None:
+    """Periods travelled go with particles to other ranks, into files and back."""
+    world = gas(150, container="torus", velocities=np.random.default_rng(5).normal(0, 90, (150, 2)))
+    ours = scattered(world, unevenly, every=3)
+    for _ in range(4):
+        step_all([world, ours], 1 / 30, 10)
+        ids, found = (
+            np.concatenate(comm().allgather(of)) for of in (ours.ids, ours.unwrapped_positions)
+        )
+        assert np.array_equal(found[np.argsort(ids)], world.unwrapped_positions)
+    assert np.abs(world.unwrapped_positions - world.positions).max() > 2 * world.period.max()
+    alone = ours.gather()
+    if alone is not None:
+        assert np.array_equal(alone.unwrapped_positions, world.unwrapped_positions)

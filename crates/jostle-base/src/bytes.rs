@@ -34,7 +34,7 @@ macro_rules! numbers {
         }
     )*};
 }
-numbers!(u8, u32, u64, i64, f32, f64);
+numbers!(u8, u32, u64, i32, i64, f32, f64);
 
 impl Plain for bool {
     const SIZE: usize = 1;

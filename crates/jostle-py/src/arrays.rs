@@ -291,6 +291,10 @@ impl<'py> Argument<'py> {
             }
         };
         let name = self.name;
+        if expected == "(2,)" && self.is_scalar() {
+            let (value, rule) = (&self.array, "it must be two numbers, such as");
+            return PyValueError::new_err(format!("{name} is {value}; {rule} (0, {value})"));
+        }
         PyValueError::new_err(format!("{name} has shape {found}; it must be {expected}"))
     }
 }

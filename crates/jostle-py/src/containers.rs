@@ -7,10 +7,11 @@ use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{Argument, Given, column, decimal, number, point, read_only, table};
 use crate::error::refused;
+use crate::keywords::Keywords;
 use crate::walls;
 
 /// Four walls around a rectangle: a container of a `World`.
@@ -60,19 +61,20 @@ impl PyBox {
     const MATCH_ARGS: (&str, &str, &str, &str) = ("min_x", "min_y", "max_x", "max_y");
 
     #[new]
-    #[pyo3(signature = (min_x, min_y, max_x, max_y, *, restitution=None, friction=None))]
-    fn new(
-        min_x: &Bound<'_, PyAny>,
-        min_y: &Bound<'_, PyAny>,
-        max_x: &Bound<'_, PyAny>,
-        max_y: &Bound<'_, PyAny>,
-        restitution: Option<&Bound<'_, PyAny>>,
-        friction: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let min = [number("min_x", min_x)? as f32, number("min_y", min_y)? as f32];
-        let max = [number("max_x", max_x)? as f32, number("max_y", max_y)? as f32];
+    #[pyo3(
+        signature = (*arguments, **keywords),
+        text_signature = "(min_x, min_y, max_x, max_y, *, restitution=None, friction=None)"
+    )]
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["min_x", "min_y", "max_x", "max_y"];
+        let mut given = Keywords::of_all("Box()", &names, arguments, keywords)?;
+        let [min_x, min_y, max_x, max_y] = given.require(names)?;
+        let [restitution, friction] = given.take_all(["restitution", "friction"]);
+        given.end()?;
+        let min = [number("min_x", &min_x)? as f32, number("min_y", &min_y)? as f32];
+        let max = [number("max_x", &max_x)? as f32, number("max_y", &max_y)? as f32];
         Container::Box { min, max }.validate().map_err(refused)?;
-        let sides = sides(restitution, friction)?;
+        let sides = sides(restitution.as_ref(), friction.as_ref())?;
         sides.validate(false).map_err(refused)?;
         Ok(Self { min, max, sides })
     }
@@ -178,16 +180,19 @@ impl PyCircle {
     const MATCH_ARGS: (&str, &str) = ("center", "radius");
 
     #[new]
-    #[pyo3(signature = (center, radius, *, restitution=None, friction=None))]
-    fn new(
-        center: &Bound<'_, PyAny>,
-        radius: &Bound<'_, PyAny>,
-        restitution: Option<&Bound<'_, PyAny>>,
-        friction: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let (center, radius) = (point("center", center)?, number("radius", radius)? as f32);
+    #[pyo3(
+        signature = (*arguments, **keywords),
+        text_signature = "(center, radius, *, restitution=None, friction=None)"
+    )]
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["center", "radius"];
+        let mut given = Keywords::of_all("Circle()", &names, arguments, keywords)?;
+        let [center, radius] = given.require(names)?;
+        let [restitution, friction] = given.take_all(["restitution", "friction"]);
+        given.end()?;
+        let (center, radius) = (point("center", &center)?, number("radius", &radius)? as f32);
         Container::Circle { center, radius }.validate().map_err(refused)?;
-        let sides = sides(restitution, friction)?;
+        let sides = sides(restitution.as_ref(), friction.as_ref())?;
         sides.validate(true).map_err(refused)?;
         Ok(Self { center, radius, sides })
     }
@@ -471,8 +476,8 @@ fn text(sides: &Sides) -> String {
     restitution(sides).keyword("restitution") + &friction(sides).keyword("friction")
 }
 
-/// The container of the core for a Python object; None is no container.
-pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<(Container, Sides)> {
+/// The region of the core for a Python object, and its sides; None is no region.
+pub fn read(name: &str, value: Option<&Bound<'_, PyAny>>) -> PyResult<(Container, Sides)> {
     let Some(value) = value else { return Ok(Default::default()) };
     if let Ok(found) = value.cast::<PyBox>() {
         Ok((found.get().container(), found.get().sides))
@@ -480,8 +485,8 @@ pub fn read(value: Option<&Bound<'_, PyAny>>) -> PyResult<(Container, Sides)> {
         Ok((found.get().container(), found.get().sides))
     } else {
         let found = value.get_type().name()?;
-        let rule = "container must be a jostle.Box, jostle.Circle or None";
-        Err(PyTypeError::new_err(format!("{rule}, not {found}")))
+        let rule = "must be a jostle.Box, jostle.Circle or None";
+        Err(PyTypeError::new_err(format!("{name} {rule}, not {found}")))
     }
 }
 

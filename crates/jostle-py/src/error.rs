@@ -1,5 +1,5 @@
-//! Python exceptions: TypeError for a wrong type, ValueError for a wrong value, IdError for an id that nothing has, with
-//! messages that begin with the argument, and MemoryError for a failed allocation.
+//! Python exceptions: TypeError for a wrong type, ValueError for a wrong value and IdError for an id that nothing has,
+//! with messages that begin with the argument, and MemoryError for a failed allocation.
 
 use std::fmt::Display;
 

@@ -7,10 +7,12 @@ use jostle_index::pairs::FindScratch;
 use jostle_index::{Period, Scalar, pairs};
 use numpy::{Element, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{Given, long, table, truth};
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::keywords::refuse_unknown_of_function;
 use crate::queries::Maybe;
 use crate::settings;
 use crate::shapes::{Rows, Shapes};
@@ -118,8 +120,7 @@ use crate::shapes::{Rows, Shapes};
     signature = (
         positions=None, radii=Given::NOTHING, half_sizes=None,
         *, boxes=None, segments=None, categories=None, masks=None, distance=Given::NOTHING, period=None,
-        method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING, threads=None,
-    ),
+        method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING, threads=None, **unknown),
     text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, segments=None, categories=None, \
                       masks=None, distance=0.0, period=None, method='auto', sort=False, \
                       max_pairs=134217728, threads=None)"
@@ -140,7 +141,9 @@ pub fn find_pairs<'py>(
     sort: Given<'py>,
     max_pairs: Given<'py>,
     threads: Option<&Bound<'py, PyAny>>,
+    unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    refuse_unknown_of_function("find_pairs", unknown)?;
     let search = Search {
         distance: settings::distance(&distance)?,
         period: settings::period(period)?,

@@ -98,7 +98,7 @@ fn real_or(name: &str, given: &Given<'_>, default: f32) -> PyResult<f32> {
 }
 
 /// The seed of random numbers.
-fn read_seed(given: &Given<'_>) -> PyResult<u32> {
+pub fn read_seed(given: &Given<'_>) -> PyResult<u32> {
     let seed = given.value().map_or(Ok(0), |value| count("seed", value, 0))?;
     u32::try_from(seed).map_err(|_| value_error("seed", seed, "below 4294967296"))
 }

@@ -25,8 +25,8 @@ macro_rules! arguments {
             /// The keywords of a call that are columns.
             pub fn of(keywords: &mut Keywords<'py>) -> PyResult<Self> {
                 Ok(Self {
-                    positions: keywords.take_some("positions")?,
-                    $($name: keywords.take_some(stringify!($name))?,)*
+                    positions: keywords.take_some("positions"),
+                    $($name: keywords.take_some(stringify!($name)),)*
                 })
             }
 

@@ -25,6 +25,7 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::arrays::{Given, number};
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::keywords::Keywords;
 use crate::queries::{self, Cast, Maybe};
 use crate::query_methods::{CountedTree, Index, NeighborIndex, query_methods};
 use crate::results;
@@ -170,34 +171,27 @@ fn build<T: Scalar + Element>(
 impl PyQuadtree {
     #[new]
     #[pyo3(
-        signature = (
-            positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, segments=None, categories=None,
-            masks=None, period=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
-            threads=None,
-        ),
+        signature = (*arguments, **keywords),
         text_signature = "(positions=None, radii=0.0, half_sizes=None, *, boxes=None, \
                           segments=None, categories=None, masks=None, period=None, leaf_capacity=96, \
                           max_depth=4096, threads=None)"
     )]
-    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
         py: Python<'py>,
-        positions: Maybe<'_, 'py>,
-        radii: Given<'py>,
-        half_sizes: Maybe<'_, 'py>,
-        boxes: Maybe<'_, 'py>,
-        segments: Maybe<'_, 'py>,
-        categories: Maybe<'_, 'py>,
-        masks: Maybe<'_, 'py>,
-        period: Maybe<'_, 'py>,
-        leaf_capacity: Given<'py>,
-        max_depth: Given<'py>,
-        threads: Maybe<'_, 'py>,
+        arguments: &Bound<'py, PyTuple>,
+        keywords: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
-        let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
-        let period = settings::period(period)?;
-        let shapes =
-            Shapes::read([positions, half_sizes, boxes, segments], &radii, [categories, masks])?;
+        let names = ["positions", "radii", "half_sizes"];
+        let mut given = Keywords::of_all("Quadtree()", &names, arguments, keywords)?;
+        let places = given.take_all(["positions", "half_sizes", "boxes", "segments"]);
+        let (radii, filters) = (given.given("radii"), given.take_all(["categories", "masks"]));
+        let (settings, period) = settings::index(&mut given)?;
+        given.end()?;
+        let shapes = Shapes::read(
+            places.each_ref().map(Option::as_ref),
+            &radii,
+            filters.each_ref().map(Option::as_ref),
+        )?;
         let tree = detached(py, || Tree::build(shapes, settings, period))?.map_err(refused)?;
         Ok(Self { tree, tests: AtomicU64::new(0) })
     }

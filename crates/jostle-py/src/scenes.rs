@@ -3,9 +3,11 @@
 use jostle_scenes::{self as scenes, SCENES, find};
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{Given, count, decimal, number, point, table};
 use crate::error::{refused, type_error};
+use crate::keywords::refuse_unknown_of_function;
 use crate::results;
 use crate::world::PyWorld;
 
@@ -132,7 +134,7 @@ pub fn default_count(name: &Bound<'_, PyAny>) -> PyResult<usize> {
 /// 100
 #[pyfunction]
 #[pyo3(
-    signature = (name, n=None, seed=Given::NOTHING),
+    signature = (name, n=None, seed=Given::NOTHING, **unknown),
     text_signature = "(name, n=None, seed=0)"
 )]
 pub fn create(
@@ -140,7 +142,9 @@ pub fn create(
     name: &Bound<'_, PyAny>,
     n: Option<&Bound<'_, PyAny>>,
     seed: Given<'_>,
+    unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyWorld> {
+    refuse_unknown_of_function("create_scene", unknown)?;
     let (scene, n) = (scene(name)?, particles(n)?);
     let seed = seed.value().map_or(Ok(0), |seed| count("seed", seed, 0))?;
     let world = py.detach(|| scene.create(n, seed as u64));

@@ -5,10 +5,12 @@ use jostle_separate::Separation;
 use jostle_separate::{DEFAULT_MAX_ROUNDS, DEFAULT_TOLERANCE};
 use numpy::Element;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{Argument, Given, count, number, reals};
 use crate::error::{refused, value_error};
 use crate::interrupt::detached;
+use crate::keywords::refuse_unknown_of_function;
 use crate::queries::Maybe;
 use crate::results;
 use crate::settings;
@@ -103,8 +105,7 @@ use crate::shapes::{Rows, Shapes};
     signature = (
         positions, radii=Given::NOTHING, half_sizes=None, *, weights=Given::NOTHING, movable=None,
         axis=None, gap=Given::NOTHING, bounds=None, max_rounds=Given::NOTHING,
-        tolerance=Given::NOTHING, threads=None,
-    ),
+        tolerance=Given::NOTHING, threads=None, **unknown),
     text_signature = "(positions, radii=0.0, half_sizes=None, *, weights=1.0, movable=True, \
                       axis=None, gap=0.0, bounds=None, max_rounds=1000, tolerance=0.01, \
                       threads=None)"
@@ -123,7 +124,9 @@ pub fn separate<'py>(
     max_rounds: Given<'py>,
     tolerance: Given<'py>,
     threads: Maybe<'_, 'py>,
+    unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    refuse_unknown_of_function("separate", unknown)?;
     let read = |name, given: &Given<'py>, default| {
         given.value().map_or(Ok(default), |value| number(name, value))
     };

@@ -9,6 +9,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::arrays::{Argument, Given, Maybe, count, number, truth, word};
 use crate::error::{refused, value_error};
+use crate::keywords::Keywords;
 
 // These numbers are written in the signatures.
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
@@ -128,15 +129,17 @@ pub fn on_touch_name(on_touch: OnTouch) -> &'static str {
     }
 }
 
+/// The settings and the period of a class that holds shapes.
+pub fn index(given: &mut Keywords<'_>) -> PyResult<(Settings, Period<f64>)> {
+    Ok((tree(given)?, period(given.take_some("period").as_ref())?))
+}
+
 /// The settings of a tree.
-pub fn tree(
-    leaf_capacity: &Given<'_>,
-    max_depth: &Given<'_>,
-    threads: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Settings> {
+pub fn tree(given: &mut Keywords<'_>) -> PyResult<Settings> {
+    let (leaf_capacity, max_depth) = (given.given("leaf_capacity"), given.given("max_depth"));
     Ok(Settings {
-        leaf_capacity: self::leaf_capacity(leaf_capacity)?,
-        max_depth: self::max_depth(max_depth)?,
-        threads: self::threads(threads)?,
+        leaf_capacity: self::leaf_capacity(&leaf_capacity)?,
+        max_depth: self::max_depth(&max_depth)?,
+        threads: threads(given.take_some("threads").as_ref())?,
     })
 }

@@ -20,11 +20,13 @@ use jostle_index::{Period, Scalar};
 use jostle_space::Space;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{Given, number};
 use crate::error::{refused, value_error};
 use crate::ids::one_id;
 use crate::interrupt::detached;
+use crate::keywords::Keywords;
 use crate::lock::Shared;
 use crate::queries::{self, Cast, Maybe};
 use crate::query_methods::{Index, NeighborIndex, query_methods};
@@ -102,22 +104,15 @@ query_methods!(PySpace, with_space);
 impl PySpace {
     #[new]
     #[pyo3(
-        signature = (
-            *, dtype=Given::NOTHING, period=None, leaf_capacity=Given::NOTHING,
-            max_depth=Given::NOTHING, threads=None,
-        ),
+        signature = (*arguments, **keywords),
         text_signature = "(*, dtype='float64', period=None, leaf_capacity=96, max_depth=4096, \
                           threads=None)"
     )]
-    fn new<'py>(
-        dtype: Given<'py>,
-        period: Maybe<'_, 'py>,
-        leaf_capacity: Given<'py>,
-        max_depth: Given<'py>,
-        threads: Maybe<'_, 'py>,
-    ) -> PyResult<Self> {
-        let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
-        let period = settings::period(period)?;
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut given = Keywords::of_all("Space()", &[], arguments, keywords)?;
+        let dtype = given.given("dtype");
+        let (settings, period) = settings::index(&mut given)?;
+        given.end()?;
         let space = if is_single(&dtype)? {
             Either::Single(empty(settings, period).map_err(refused)?)
         } else {

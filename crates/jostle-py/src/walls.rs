@@ -58,26 +58,26 @@ impl Columns {
         (len, single): (usize, bool),
         named: Named,
     ) -> PyResult<Self> {
-        let segments = keywords.take_some("segments")?;
+        let segments = keywords.take_some("segments");
         let segments = segments.map(|value| segments_of(&value, len, single)).transpose()?;
         let vector = |value: Bound<'_, PyAny>| {
             let value = Argument::reals(named("velocities"), &value)?;
             if single { value.only_pair("wall").map(Each::One) } else { value.one_or_pairs(len) }
         };
-        let velocities = keywords.take_some("velocities")?.map(vector).transpose()?;
+        let velocities = keywords.take_some("velocities").map(vector).transpose()?;
         // None has a meaning here: the coefficient of the particle.
         let mut surface = |name| {
-            let value = keywords.take(name)?;
+            let value = keywords.take(name);
             value.map(|value| coefficients(named(name), &value, len)).transpose()
         };
         let (friction, restitution) = (surface("friction")?, surface("restitution")?);
         let mut truth = |name| {
-            let value = keywords.take_some(name)?;
+            let value = keywords.take_some(name);
             value.map(|value| Argument::booleans(named(name), &value)?.truth_each(len)).transpose()
         };
         let (sensors, one_way) = (truth("sensors")?, truth("one_way")?);
         let mut bits = |name| {
-            let value = keywords.take_some(name)?;
+            let value = keywords.take_some(name);
             value.map(|value| Argument::integers(named(name), &value)?.bits_each(len)).transpose()
         };
         let (categories, masks) = (bits("categories")?, bits("masks")?);

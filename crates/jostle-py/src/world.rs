@@ -4,6 +4,7 @@ mod boundaries;
 mod columns;
 mod edits;
 mod external;
+mod free_positions;
 mod ids;
 mod properties;
 mod queries;
@@ -20,9 +21,9 @@ use std::time::Duration;
 use jostle_world::{Changes, Container, Stage, World, WorldSettings};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{Given, number, point};
+use crate::arrays::{number, point};
 use crate::containers;
 use crate::error::refused;
 use crate::forces;
@@ -197,7 +198,7 @@ struct State {
 impl PyWorld {
     #[new]
     #[pyo3(
-        signature = (positions=None, radii=None, **keywords),
+        signature = (*arguments, **keywords),
         text_signature = "(positions=None, radii=None, *, velocities=(0.0, 0.0), masses=None, \
                           angles=0.0, angular_velocities=0.0, friction=0.0, restitution=1.0, \
                           movable=True, sensors=False, kinds=0, categories=1, masks=4294967295, \
@@ -208,18 +209,19 @@ impl PyWorld {
     )]
     fn new<'py>(
         py: Python<'py>,
-        positions: Option<&Bound<'py, PyAny>>,
-        radii: Option<&Bound<'py, PyAny>>,
+        arguments: &Bound<'py, PyTuple>,
         keywords: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Self> {
-        let mut keywords = Keywords::of("World()", keywords)?;
-        let arguments = Arguments { radii: radii.cloned(), ..Arguments::of(&mut keywords)? };
+        let names = ["positions", "radii"];
+        let mut keywords = Keywords::of_all("World()", &names, arguments, keywords)?;
+        let positions = keywords.take_some("positions");
+        let arguments = Arguments::of(&mut keywords)?;
         let rules = read_rules(&mut keywords)?;
-        let (walls, named) = walls::read(keywords.take_some("walls")?.as_ref())?;
-        let forces = keywords.take("forces")?;
+        let (walls, named) = walls::read(keywords.take_some("walls").as_ref())?;
+        let forces = keywords.take("forces");
         keywords.end()?;
         let forces = forces.map_or(Ok(Vec::new()), |all| forces::read(&all))?;
-        let (columns, len) = read_particles(positions, arguments)?;
+        let (columns, len) = read_particles(positions.as_ref(), arguments)?;
         let world = py.detach(|| {
             let mut world = World::new(particles::particles(&columns, len)?, rules)?;
             world.add_walls(&walls).map_err(|error| walls::renamed(error, named))?;
@@ -307,15 +309,15 @@ fn read_particles<'py>(
 
 /// The settings of a new world.
 fn read_rules(keywords: &mut Keywords<'_>) -> PyResult<WorldSettings> {
-    let mut given = |name| keywords.take(name).map(Given::of);
-    let (gravity, drag) = (given("gravity")?, given("drag")?);
-    let (on_touch, method) = (given("on_touch")?, given("method")?);
-    let (sleeping, track_events) = (given("sleeping")?, given("track_events")?);
-    let (leaf_capacity, max_depth) = (given("leaf_capacity")?, given("max_depth")?);
-    let threads = keywords.take_some("threads")?;
-    let substeps = keywords.take_some("substeps")?;
-    let (mut container, sides) = containers::read(keywords.take_some("container")?.as_ref())?;
-    if let Some(size) = containers::period(keywords.take_some("period")?.as_ref())? {
+    let mut given = |name| keywords.given(name);
+    let (gravity, drag) = (given("gravity"), given("drag"));
+    let (on_touch, method) = (given("on_touch"), given("method"));
+    let (sleeping, track_events) = (given("sleeping"), given("track_events"));
+    let tree = settings::tree(keywords)?;
+    let substeps = keywords.take_some("substeps");
+    let (mut container, sides) =
+        containers::read("container", keywords.take_some("container").as_ref())?;
+    if let Some(size) = containers::period(keywords.take_some("period").as_ref())? {
         if container != Container::None {
             return Err(containers::both());
         }
@@ -332,6 +334,6 @@ fn read_rules(keywords: &mut Keywords<'_>) -> PyResult<WorldSettings> {
         substeps: settings::substeps(substeps.as_ref())?,
         sleeping: settings::sleeping(&sleeping)?,
         track_events: settings::track_events(&track_events)?,
-        tree: settings::tree(&leaf_capacity, &max_depth, threads.as_ref())?,
+        tree,
     })
 }

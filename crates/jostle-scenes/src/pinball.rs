@@ -49,7 +49,7 @@ const FLIPPER_DISCS: usize = 12;
 const REST_ANGLE: f64 = 0.45;
 const SWING: f32 = 0.9;
 
-/// Periods in seconds of the flippers, and of the floor between them, which throws balls back.
+/// Cycles in seconds of the flippers, and of the floor between them, which pushes balls back.
 const FLIPPER_CYCLE: f32 = 0.5;
 const FLOOR_CYCLE: f32 = 0.2;
 const FLOOR_SPEED: f32 = 700.0;

@@ -33,6 +33,6 @@ pub use ranks::{Communicator, OwnParticles, Traffic};
 pub use surface::{Sides, Surface};
 pub use walls::Wall;
 pub use world::{
-    Bodies, Casts, Collisions, OnTouch, Stage, StateHash, Stats, Totals, Touch, TouchEvents,
-    WallTouch, World, WorldSettings,
+    Bodies, Casts, Collisions, NewDiscs, OnTouch, Stage, StateHash, Stats, Totals, Touch,
+    TouchEvents, WallTouch, World, WorldSettings,
 };

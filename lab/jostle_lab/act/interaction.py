@@ -309,8 +309,10 @@ class Interaction:
         The worker thread calls it. What it reads is immutable, and each is read once.
         """
         drag, attracting = self.drag_tool.state, self.attractors.apply(simulation)
-        if drag is not None:
-            simulation.drag(drag.tag, drag.point, drag.velocity)
+        if drag is None:
+            simulation.release()
+        else:
+            simulation.grab(drag.tag, drag.point, drag.velocity)
         return drag is not None or attracting
 
     def place_held(self) -> None:

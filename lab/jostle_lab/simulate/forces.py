@@ -60,14 +60,24 @@ def _with(motor: jostle.Motor, **changes: Any) -> jostle.Motor:
 
 
 class AttractorForces:
-    """The attractors of the user in one world: each is a force after those of the world."""
+    """The attractors of the user in one world, and the grab: forces after those of the world."""
 
     def __init__(
         self, world: jostle.World, columns: ParticleTable, own: int, attractors: Attractors = ()
     ) -> None:
         self._world, self._columns = world, columns
         self.own = own  # the number of forces of the world itself
+        self.grab: jostle.Grab | None = None
         self.attractors = self._living(attractors)
+        self.renew()  # a saved world may have a grab, which nobody holds any more
+
+    def hold(self, grab: jostle.Grab | None) -> None:
+        """Replace the grab; that of a particle that does not exist is left out."""
+        if grab is not None and not len(self._columns.find(grab.id)[0]):
+            grab = None
+        if grab != self.grab:
+            self.grab = grab
+            self._bind(self.attractors)
 
     def place(self, attractors: Attractors) -> None:
         """Replace them; those of particles that do not exist are left out."""
@@ -77,6 +87,8 @@ class AttractorForces:
 
     def renew(self) -> None:
         """Remove those of particles that no longer exist."""
+        if self.grab is not None and not len(self._columns.find(self.grab.id)[0]):
+            self.grab = None
         self._bind(self._living(self.attractors))
 
     def merge(self, renumbered: NDArray[np.int64]) -> None:
@@ -85,6 +97,7 @@ class AttractorForces:
             one if one.tag is None else replace(one, tag=int(renumbered[one.tag]))
             for one in self.attractors
         )
+        self.grab = None  # its id may have changed; the user grabs again before the next step
         self.renew()
 
     @contextmanager
@@ -109,7 +122,8 @@ class AttractorForces:
             for attractor in attractors
             if attractor.point is not None or attractor.tag is not None
         ]
-        self._world.forces = (*self._world.forces[: self.own], *forces)
+        grab = () if self.grab is None else (self.grab,)
+        self._world.forces = (*self._world.forces[: self.own], *forces, *grab)
         self.attractors = attractors
 
 

@@ -16,9 +16,7 @@ from jostle_lab.simulate.containers import (
     InitialRegion,
     bounds,
     center_of,
-    diagonal,
     free_positions,
-    minimum_image,
     moved_inside,
 )
 from jostle_lab.simulate.emitters import STATE, Emitters
@@ -50,9 +48,8 @@ from jostle_lab.simulate.validation import (
 )
 
 TIME_STEP = 1 / 60
-DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
+GRAB_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
 LEAST_RESPONSE = 0.3  # times that rate, for the heaviest particles
-SPEED_LIMIT = 4.0  # of a held particle, in diagonals of the view per second
 
 # Settings that are attributes of a world, by the same name.
 WORLD_SETTINGS = (
@@ -341,24 +338,23 @@ class Simulation:
         """Replace the attractors of the user."""
         self._attractions.place(attractors)
 
-    def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Accelerate a held particle towards the cursor by a critically damped spring.
+    def grab(self, tag: int, point: Point, velocity: Point) -> None:
+        """Hold a particle at a point that moves with a velocity, until `release`.
 
-        Only its velocity changes, so it collides with other particles. The spring is integrated
-        implicitly, so it is stable for any stiffness. Immovable particles are not changed, and a
-        tag that does not exist is ignored.
+        A tag that does not exist is ignored.
         """
         rows, _ = self._columns.find(tag)
-        if not len(rows) or not self._columns.movable[rows[0]]:
-            return
-        dt, disc = self.time_step, self.world.get(tag)
-        share = self._columns.usual_mass(self.world) / disc.masses
-        rate = DRAG_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
-        offset = minimum_image(container_of(self.world), np.array(point) - disc.positions)
-        dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
-        dragged /= (1 + dt * rate) ** 2
-        limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
-        self.world.set(tag, velocities=dragged * min(1.0, limit / max(speed, limit)))
+        if not len(rows):
+            return self.release()
+        share = self._columns.usual_mass(self.world) / self.world.get(tag).masses
+        rate = GRAB_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
+        # A critically damped spring is 2 / rate seconds behind a moving point.
+        ahead = np.array(point) + 2 / rate * np.array(velocity)
+        self._attractions.hold(jostle.Grab(tag, ahead, rate=rate))
+
+    def release(self) -> None:
+        """Let go what is held."""
+        self._attractions.hold(None)
 
     def save(self, window: Any = None) -> bytes:
         """Return the state; after `load` the simulation continues with the same bits.

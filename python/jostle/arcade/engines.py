@@ -18,7 +18,7 @@ _AXES = (
     ("change_x", "center_x", (("left", "boundary_left", -1), ("right", "boundary_right", 1))),
     ("change_y", "center_y", (("top", "boundary_top", 1), ("bottom", "boundary_bottom", -1))),
 )
-_TOUCH = 1e-6  # a displacement in pixels that is not seen
+_TOUCH = 1e-6  # pixels; too small to be seen
 
 
 class PhysicsEngineSimple:
@@ -131,9 +131,9 @@ class PhysicsEngineSimple:
 class PhysicsEnginePlatformer(PhysicsEngineSimple):
     """arcade's engine for platformers, with continuous motion.
 
-    The player falls, stands on walls and platforms, climbs ramps of at most 45° and steps of at
-    most its speed, and is carried by platforms. Platforms move by ``change_x`` and ``change_y``
-    and turn at their boundaries.
+    The player falls, stands on walls and platforms, climbs ramps of at most 45° and steps that are
+    not higher than `change_x`, and is carried by platforms. Platforms move by ``change_x`` and
+    ``change_y`` and reverse at their boundaries.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ class PhysicsEnginePlatformer(PhysicsEngineSimple):
 
 
 def _move(platform: Any) -> None:
-    """Turn a platform at its boundaries, then move it, one axis after the other, as arcade does."""
+    """Reverse a platform at its boundaries, and move it, axis by axis, as arcade does."""
     if platform.change_x == platform.change_y == 0:
         return
     for change, center, sides in _AXES:

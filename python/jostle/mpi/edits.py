@@ -96,7 +96,34 @@ def push(comm: MPI.Intracomm, core: Any, ids: ArrayLike, forces: ArrayLike) -> N
     core._drop_ghosts()
     rows = rows[np.isin(rows["id"], core._own_ids()[0])]
     with passed_on(comm):
-        core.force(_rows_of(core, rows["id"]), rows["force"])
+        core.apply_force(_rows_of(core, rows["id"]), rows["force"])
+
+
+def hit(
+    comm: MPI.Intracomm, core: Any, ids: ArrayLike, impulses: ArrayLike, points: ArrayLike | None
+) -> None:
+    """Give impulses to the particles with the ids that any rank gives."""
+    with together(comm):
+        own = _read_ids(ids)
+        vectors = [("impulse", np.float32, 2), ("point", np.float32, 2)]
+        rows = np.zeros(len(own), [("id", np.int64), *vectors])
+        rows["id"] = own
+        is_one = np.ndim(ids) == 0
+        rows["impulse"] = _vectors("impulses", impulses, len(own), is_one=is_one)
+        rows["point"] = _vectors("points", points, len(own), is_one=is_one)
+    given = {
+        are_given for count, are_given in comm.allgather((len(own), points is not None)) if count
+    }
+    if len(given) > 1:
+        raise ValueError("points are given by some ranks only")
+    rows = joined(comm, rows)
+    _check(comm, core, rows["id"], may_repeat=True)
+    core._drop_ghosts()
+    rows = rows[np.isin(rows["id"], core._own_ids()[0])]
+    with passed_on(comm):
+        found = rows["point"] if True in given else None
+        core.apply_impulse(_rows_of(core, rows["id"]), rows["impulse"], found)
+    core._agree_on_losses()
 
 
 def _rows_of(core: Any, ids: NDArray[np.int64]) -> NDArray[np.intp]:
@@ -146,5 +173,5 @@ def _check(
     if not found.all():
         error = IdError(f"ids contain {ids[~found][0]}; no particle has this id")
     elif (counts > 1).any() and not may_repeat:
-        error = IdError(f"ids contain {different[counts > 1][0]} twice")
+        error = ValueError(f"ids contain {different[counts > 1][0]} twice")
     raise_together(comm, error)

@@ -9,8 +9,8 @@ from jostle._core import record_fields
 #: A particle: its fields are named as the columns of worlds.
 RECORD = np.dtype([("id", "<i8"), *record_fields()])
 
-#: How a particle has moved.
-KEPT = np.dtype([("id", "<i8"), ("drift", "<f4", (2, 3))])
+#: How a particle has moved, and how many periods it has travelled.
+KEPT = np.dtype([("id", "<i8"), ("drift", "<f4", (2, 3)), ("turns", "<i4", 2)])
 
 #: Impulses of a resting contact; the smaller id is first.
 RESTING = np.dtype([("id", "<i8"), ("other", "<i8"), ("impulses", "<f4", 2)])

@@ -91,12 +91,19 @@ class World:
     use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each rank and
     combine the answers, for instance by ``comm.allgather``.
 
+    `free_positions`, `net_forces` and `force_virial` depend on the particles of all ranks; the
+    world that `gather` returns has these methods.
+
+    `free_positions`, `net_forces` and `force_virial` depend on the particles of all ranks; the
+    world that `gather` returns has these methods.
+
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
     some ranks need more time than others, or have many copies, the ranges are chosen again, and
     particles move to other ranks; sleeping ones stay where they are until they wake.
 
     Settings such as `gravity` can be assigned, and `walls` edited, in collective calls. Contacts
-    are empty after that, and after `add`, `remove` and `force`, until the next step.
+    are empty after that, and after `add`, `remove`, `apply_force` and `apply_impulse`, until the
+    next step.
 
     Examples
     --------
@@ -355,21 +362,21 @@ class World:
         edits.change(self._comm, self._core, ids, **columns)
 
     @collective
-    def force(self, /, ids: ArrayLike, forces: ArrayLike) -> None:
+    def apply_force(self, /, ids: ArrayLike, forces: ArrayLike) -> None:
         """Add given forces on some particles of any rank, for the next call of `step`.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
             Those that this rank gives, of particles of any rank; k may be 0. A call equals one of
-            `jostle.World.force` with the ids of rank 0, then those of rank 1, and so on.
+            `jostle.World.apply_force` with the ids of rank 0, then those of rank 1, and so on.
         forces : array_like, shape (k, 2), or (2,) for one id
-            In units of mass times length per second², see `jostle.World.force`.
+            In units of mass times length per second², see `jostle.World.apply_force`.
 
         Raises
         ------
         IdError, TypeError, ValueError
-            As by `jostle.World.force`; then nothing changes on any rank.
+            As by `jostle.World.apply_force`; then nothing changes on any rank.
         RankError
             If another rank raises one of these.
 
@@ -378,6 +385,36 @@ class World:
         accelerations : Those of all particles.
         """
         edits.push(self._comm, self._core, ids, forces)
+
+    @collective
+    def apply_impulse(
+        self, /, ids: ArrayLike, impulses: ArrayLike, points: ArrayLike | None = None
+    ) -> None:
+        """Give impulses to some particles of any rank, at once.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            Those that this rank gives, of particles of any rank; k may be 0. A call equals one of
+            `jostle.World.apply_impulse` with the ids of rank 0, then those of rank 1, and so on.
+        impulses : array_like, shape (k, 2), or (2,) for one id
+            In units of mass times length per second, see `jostle.World.apply_impulse`.
+        points : array_like, shape (k, 2), or (2,) for one id, optional
+            Where each acts. All ranks that give ids give points, or none does.
+
+        Raises
+        ------
+        IdError, TypeError, ValueError
+            As by `jostle.World.apply_impulse`, or if only some ranks give points; then nothing
+            changes on any rank.
+        RankError
+            If another rank raises one of these.
+
+        See Also
+        --------
+        apply_force : Forces during the next call of `step`.
+        """
+        edits.hit(self._comm, self._core, ids, impulses, points)
 
     @property
     def accelerations(self) -> NDArray[np.float32]:
@@ -429,6 +466,10 @@ class World:
         "Angular velocities: ndarray of float32, shape (n,), in the order of `ids`."
     )
     categories = Column("Categories: ndarray of uint32, shape (n,), in the order of `ids`.")
+    unwrapped_positions = Column(
+        "Positions with the periods that were travelled: ndarray of float64, shape (n, 2), in the "
+        "order of `ids`."
+    )
     masks = Column("Masks: ndarray of uint32, shape (n,), in the order of `ids`.")
     sensors = Column(
         "Which particles are sensors: ndarray of bool, shape (n,), in the order of `ids`."

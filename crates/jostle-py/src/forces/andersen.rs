@@ -2,10 +2,11 @@
 
 use jostle_world::forces::Andersen;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
 use super::{read_seed, real, valid};
-use crate::arrays::Given;
+use crate::keywords::Keywords;
 
 /// A heat bath that gives each particle a new velocity at random times.
 ///
@@ -61,16 +62,17 @@ pub struct PyAndersenThermostat(pub Andersen);
 impl PyAndersenThermostat {
     #[new]
     #[pyo3(
-        signature = (temperature, rate, seed=Given::NOTHING),
+        signature = (*arguments, **keywords),
         text_signature = "(temperature, rate, seed=0)"
     )]
-    fn new(
-        temperature: &Bound<'_, PyAny>,
-        rate: &Bound<'_, PyAny>,
-        seed: Given<'_>,
-    ) -> PyResult<Self> {
-        let temperature = real("temperature", temperature)?;
-        let (rate, seed) = (real("rate", rate)?, read_seed(&seed)?);
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["temperature", "rate", "seed"];
+        let mut given = Keywords::of_all("AndersenThermostat()", &names, arguments, keywords)?;
+        let [temperature, rate] = given.require(["temperature", "rate"])?;
+        let seed = given.given("seed");
+        given.end()?;
+        let temperature = real("temperature", &temperature)?;
+        let (rate, seed) = (real("rate", &rate)?, read_seed(&seed)?);
         Ok(Self(valid(Andersen { temperature, rate, seed }, Andersen::validate)?))
     }
 }

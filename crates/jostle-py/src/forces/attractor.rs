@@ -3,11 +3,13 @@
 use jostle_world::forces::{Attractor, Law, Pole};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
 use super::{one_id, real, valid};
 use crate::arrays::{Given, point, word};
 use crate::error::value_error;
+use crate::keywords::Keywords;
 
 /// A force towards a point or a particle.
 ///
@@ -34,11 +36,13 @@ use crate::error::value_error;
 ///     If not exactly one of `point` and `particle` is given, or it does not hold numbers.
 /// ValueError
 ///     If a number is not finite, or there is no such law.
+/// IdError
+///     When it is assigned to `World.forces`, if no particle has the id.
 ///
 /// See Also
 /// --------
 /// Gravitation : Attraction between all particles.
-/// World.force : Forces from NumPy.
+/// World.apply_force : Forces from NumPy.
 ///
 /// Examples
 /// --------
@@ -58,16 +62,16 @@ pub struct PyAttractor(pub Attractor);
 impl PyAttractor {
     #[new]
     #[pyo3(
-        signature = (point=None, strength=None, law=Given::NOTHING, *, particle=None),
+        signature = (*arguments, **keywords),
         text_signature = "(point=None, strength=None, law='harmonic', *, particle=None)"
     )]
-    fn new(
-        point: Option<&Bound<'_, PyAny>>,
-        strength: Option<&Bound<'_, PyAny>>,
-        law: Given<'_>,
-        particle: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let pole = match (point, particle) {
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["point", "strength", "law"];
+        let mut given = Keywords::of_all("Attractor()", &names, arguments, keywords)?;
+        let [point, strength, particle] = given.take_all(["point", "strength", "particle"]);
+        let law = given.given("law");
+        given.end()?;
+        let pole = match (&point, &particle) {
             (Some(point), None) => Pole::Point(self::point("point", point)?),
             (None, Some(particle)) => Pole::Particle(one_id("particle", particle)?),
             _ => {
@@ -78,7 +82,7 @@ impl PyAttractor {
         let Some(strength) = strength else {
             return Err(PyTypeError::new_err("an Attractor needs a strength"));
         };
-        let (strength, law) = (real("strength", strength)?, read_law(&law)?);
+        let (strength, law) = (real("strength", &strength)?, read_law(&law)?);
         Ok(Self(valid(Attractor { pole, strength, law }, Attractor::validate)?))
     }
 }

@@ -2,10 +2,11 @@
 
 use jostle_world::forces::Flocking;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
 use super::{real, real_or, valid};
-use crate::arrays::Given;
+use crate::keywords::Keywords;
 
 /// Flocking: separation, alignment and cohesion.
 ///
@@ -67,23 +68,22 @@ pub struct PyFlocking(pub Flocking);
 impl PyFlocking {
     #[new]
     #[pyo3(
-        signature = (cutoff, separation, alignment, cohesion, max_speed, min_speed=Given::NOTHING),
+        signature = (*arguments, **keywords),
         text_signature = "(cutoff, separation, alignment, cohesion, max_speed, min_speed=0.0)"
     )]
-    fn new(
-        cutoff: &Bound<'_, PyAny>,
-        separation: &Bound<'_, PyAny>,
-        alignment: &Bound<'_, PyAny>,
-        cohesion: &Bound<'_, PyAny>,
-        max_speed: &Bound<'_, PyAny>,
-        min_speed: Given<'_>,
-    ) -> PyResult<Self> {
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["cutoff", "separation", "alignment", "cohesion", "max_speed", "min_speed"];
+        let mut given = Keywords::of_all("Flocking()", &names, arguments, keywords)?;
+        let [cutoff, separation, alignment, cohesion, max_speed] =
+            given.require(["cutoff", "separation", "alignment", "cohesion", "max_speed"])?;
+        let min_speed = given.given("min_speed");
+        given.end()?;
         let all = Flocking {
-            cutoff: real("cutoff", cutoff)?,
-            separation: real("separation", separation)?,
-            alignment: real("alignment", alignment)?,
-            cohesion: real("cohesion", cohesion)?,
-            max_speed: real("max_speed", max_speed)?,
+            cutoff: real("cutoff", &cutoff)?,
+            separation: real("separation", &separation)?,
+            alignment: real("alignment", &alignment)?,
+            cohesion: real("cohesion", &cohesion)?,
+            max_speed: real("max_speed", &max_speed)?,
             min_speed: real_or("min_speed", &min_speed, 0.0)?,
         };
         Ok(Self(valid(all, Flocking::validate)?))

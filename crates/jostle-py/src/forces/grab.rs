@@ -2,49 +2,53 @@
 
 use jostle_world::forces::Grab;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
 use super::{one_id, real, real_or, valid};
-use crate::arrays::{Given, point};
+use crate::arrays::point;
+use crate::keywords::Keywords;
 
-/// A force that brings a particle to a point, as the mouse does when it drags a body.
+/// A force that pulls a particle to a point, for instance to the mouse.
 ///
-/// It is a critically damped spring from the centre of the particle to the point: the particle
-/// arrives without overshooting, at any length of a step. On its way it collides like any other,
-/// and `max_force` decides what it can push or lift. On a torus the force is towards the nearest
-/// image of the point.
+/// It is a critically damped spring from the centre of the particle to the point. A particle at rest
+/// does not move beyond the point, at any length of a step. One that has a velocity, or whose force is
+/// limited by `max_force`, may. The particle collides as others do; `max_force` limits what it can push
+/// or lift. In a periodic world the force is towards the nearest image of the point.
 ///
 /// Parameters
 /// ----------
 /// id : int
 ///     Id of the particle. It stays awake; if it is removed, so is the force.
 /// point : array_like, shape (2,)
-///     Where the particle is brought, in units of length.
+///     Where the particle is pulled to, in units of length.
 /// rate : float
-///     Per second: how fast. From rest at the distance d, the particle is at the distance
-///     ``d * (1 + rate * t) * exp(-rate * t)`` after t seconds.
+///     Speed of the approach, per second, at least 0. For short sub-steps a particle that starts at
+///     rest at the distance d is at the distance ``d * (1 + rate * t) * exp(-rate * t)`` after t
+///     seconds.
 /// max_force : float, default inf
-///     Limit of the force, in units of mass times length per second squared.
+///     Limit of the force, at least 0, in units of mass times length per second squared.
 ///
 /// Raises
 /// ------
 /// TypeError
 ///     If an argument has the wrong type.
 /// ValueError
-///     If a number is out of range. When it is assigned to `World.forces`, also if there is no such
-///     particle.
+///     If a number is out of range.
+/// IdError
+///     When it is assigned to `World.forces`, if no particle has the id.
 ///
 /// See Also
 /// --------
 /// Attractor : A force on all particles.
-/// World.quadtree : Finds the particle under the mouse.
+/// World.query_point : Finds the particle under the mouse.
 ///
 /// Notes
 /// -----
-/// Assign `World.forces` with a new `Grab` in each frame: where only grabs change, nothing wakes but
-/// the particle that is grabbed, and resting contacts keep their impulses. The force does not hold
-/// the weight of the particle, which hangs below the point by ``g / rate**2`` under gravity g.
-/// Immovable particles do not follow.
+/// Assign a new `Grab` to `World.forces` in each frame. If only grabs change, only the islands of the
+/// grabbed particles wake, and resting contacts keep their impulses. Under gravity g the particle
+/// rests below the point by ``g * (1 + rate * h)**2 / rate**2``, where h is the length of a sub-step.
+/// Immovable particles do not move.
 ///
 /// Examples
 /// --------
@@ -63,19 +67,18 @@ pub struct PyGrab(pub Grab);
 impl PyGrab {
     #[new]
     #[pyo3(
-        signature = (id, point, *, rate, max_force=Given::NOTHING),
+        signature = (*arguments, **keywords),
         text_signature = "(id, point, *, rate, max_force=math.inf)"
     )]
-    fn new(
-        id: &Bound<'_, PyAny>,
-        point: &Bound<'_, PyAny>,
-        rate: &Bound<'_, PyAny>,
-        max_force: Given<'_>,
-    ) -> PyResult<Self> {
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut given = Keywords::of_all("Grab()", &["id", "point"], arguments, keywords)?;
+        let [id, point, rate] = given.require(["id", "point", "rate"])?;
+        let max_force = given.given("max_force");
+        given.end()?;
         let grab = Grab {
-            id: one_id("id", id)?,
-            point: self::point("point", point)?,
-            rate: real("rate", rate)?,
+            id: one_id("id", &id)?,
+            point: self::point("point", &point)?,
+            rate: real("rate", &rate)?,
             max_force: real_or("max_force", &max_force, f32::INFINITY)?,
         };
         Ok(Self(valid(grab, Grab::validate)?))

@@ -3,10 +3,11 @@
 use jostle_world::forces::Gravitation;
 use jostle_world::forces::gravitation::DEFAULT_THETA;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
 use super::{real, real_or, valid};
-use crate::arrays::Given;
+use crate::keywords::Keywords;
 
 /// Gravitation between all particles.
 ///
@@ -62,12 +63,16 @@ const _: () = assert!(DEFAULT_THETA == 0.5);
 impl PyGravitation {
     #[new]
     #[pyo3(
-        signature = (G, softening=Given::NOTHING, theta=Given::NOTHING),
+        signature = (*arguments, **keywords),
         text_signature = "(G, softening=0.0, theta=0.5)"
     )]
-    #[expect(non_snake_case, reason = "its usual name")]
-    fn new(G: &Bound<'_, PyAny>, softening: Given<'_>, theta: Given<'_>) -> PyResult<Self> {
-        let (g, softening) = (real("G", G)?, real_or("softening", &softening, 0.0)?);
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["G", "softening", "theta"];
+        let mut given = Keywords::of_all("Gravitation()", &names, arguments, keywords)?;
+        let [g] = given.require(["G"])?;
+        let (softening, theta) = (given.given("softening"), given.given("theta"));
+        given.end()?;
+        let (g, softening) = (real("G", &g)?, real_or("softening", &softening, 0.0)?);
         let theta = real_or("theta", &theta, DEFAULT_THETA)?;
         Ok(Self(valid(Gravitation { g, softening, theta }, Gravitation::validate)?))
     }

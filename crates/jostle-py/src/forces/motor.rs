@@ -3,11 +3,13 @@
 use jostle_base::{Error, Id};
 use jostle_world::forces::{Motor, WallIds};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::arguments;
 use super::{real, real_or, valid};
-use crate::arrays::{Given, long_ids, point};
+use crate::arrays::{long_ids, point};
 use crate::error::refused;
+use crate::keywords::Keywords;
 
 /// A prescribed motion of immovable particles and walls.
 ///
@@ -38,7 +40,9 @@ use crate::error::refused;
 /// ValueError
 ///     If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
 ///     not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
-///     particle is movable or a wall does not exist.
+///     particle is movable.
+/// IdError
+///     When it is assigned to `World.forces`, if a particle or a wall does not exist.
 ///
 /// See Also
 /// --------
@@ -77,32 +81,27 @@ pub struct PyMotor(pub Motor);
 impl PyMotor {
     #[new]
     #[pyo3(
-        signature = (
-            ids=None, *, walls=None, pivot=None, angular_velocity=Given::NOTHING,
-            velocity=Given::NOTHING, cycle=None,
-        ),
+        signature = (*arguments, **keywords),
         text_signature = "(ids=None, *, walls=None, pivot=None, angular_velocity=0.0, \
                           velocity=(0.0, 0.0), cycle=None)"
     )]
-    fn new(
-        ids: Option<&Bound<'_, PyAny>>,
-        walls: Option<&Bound<'_, PyAny>>,
-        pivot: Option<&Bound<'_, PyAny>>,
-        angular_velocity: Given<'_>,
-        velocity: Given<'_>,
-        cycle: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let all = |name, value: Option<&Bound<'_, PyAny>>, of| -> PyResult<Vec<Id>> {
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut given = Keywords::of_all("Motor()", &["ids"], arguments, keywords)?;
+        let [ids, walls, pivot, cycle] = given.take_all(["ids", "walls", "pivot", "cycle"]);
+        let [angular_velocity, velocity] =
+            ["angular_velocity", "velocity"].map(|name| given.given(name));
+        given.end()?;
+        let all = |name, value: Option<_>, of| -> PyResult<Vec<Id>> {
             value.map_or(Ok(Vec::new()), |value| Ok(long_ids(name, value, of)?.rows(1)))
         };
-        let pair = |name, given: Option<_>| given.map_or(Ok([0.0; 2]), |value| point(name, value));
+        let pair = |name, value: Option<_>| value.map_or(Ok([0.0; 2]), |value| point(name, value));
         let motor = Motor {
-            ids: all("ids", ids, "particle")?,
-            walls: WallIds(all("walls", walls, "wall")?),
-            pivot: pair("pivot", pivot)?,
+            ids: all("ids", ids.as_ref(), "particle")?,
+            walls: WallIds(all("walls", walls.as_ref(), "wall")?),
+            pivot: pair("pivot", pivot.as_ref())?,
             angular_velocity: real_or("angular_velocity", &angular_velocity, 0.0)?,
             velocity: pair("velocity", velocity.value())?,
-            cycle: cycle.map_or(Ok(f32::INFINITY), |value| real("cycle", value))?,
+            cycle: cycle.as_ref().map_or(Ok(f32::INFINITY), |value| real("cycle", value))?,
         };
         if pivot.is_none() && motor.angular_velocity != 0.0 {
             let rule = "a motor with an angular_velocity needs the centre of the rotation";

@@ -7,11 +7,13 @@ use jostle_base::error::counted;
 use jostle_world::forces::{PairForce, PairTable};
 use numpy::ndarray::Array3;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::arguments;
 use super::{real, real_or};
 use crate::arrays::{Argument, Given, decimal};
 use crate::error::refused;
+use crate::keywords::{Keywords, refuse_unknown};
 
 /// Forces between kinds of particles within a cutoff.
 ///
@@ -74,16 +76,17 @@ pub struct PyPairForce(pub PairForce);
 impl PyPairForce {
     #[new]
     #[pyo3(
-        signature = (table, cutoff, *, damping=Given::NOTHING),
+        signature = (*arguments, **keywords),
         text_signature = "(table, cutoff, *, damping=0.0)"
     )]
-    fn new(
-        table: &Bound<'_, PyAny>,
-        cutoff: &Bound<'_, PyAny>,
-        damping: Given<'_>,
-    ) -> PyResult<Self> {
-        let (count, values) = Argument::reals("table", table)?.cube()?;
-        let cutoff = real("cutoff", cutoff)?;
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["table", "cutoff"];
+        let mut given = Keywords::of_all("PairForce()", &names, arguments, keywords)?;
+        let [table, cutoff] = given.require(names)?;
+        let damping = given.given("damping");
+        given.end()?;
+        let (count, values) = Argument::reals("table", &table)?.cube()?;
+        let cutoff = real("cutoff", &cutoff)?;
         let damping = real_or("damping", &damping, 0.0)?;
         Self::of(PairTable::new(count, values, cutoff, damping))
     }
@@ -131,7 +134,7 @@ impl PyPairForce {
     /// (2, 2, 21)
     #[staticmethod]
     #[pyo3(
-        signature = (matrix, cutoff, core=Given::NOTHING, *, strength=Given::NOTHING),
+        signature = (matrix, cutoff, core=Given::NOTHING, *, strength=Given::NOTHING, **unknown),
         text_signature = "(matrix, cutoff, core=0.3, *, strength=1.0)"
     )]
     fn particle_life(
@@ -139,7 +142,9 @@ impl PyPairForce {
         cutoff: &Bound<'_, PyAny>,
         core: Given<'_>,
         strength: Given<'_>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        refuse_unknown::<Self>("particle_life", unknown)?;
         let (count, matrix) = Argument::reals("matrix", matrix)?.square(None)?;
         let cutoff = real("cutoff", cutoff)?;
         let core = real_or("core", &core, 0.3)?;
@@ -195,11 +200,17 @@ impl PyPairForce {
     /// >>> round(world.potential_energy(), 3)
     /// -0.984
     #[staticmethod]
+    #[pyo3(
+        signature = (epsilon, sigma, cutoff, **unknown),
+        text_signature = "(epsilon, sigma, cutoff)"
+    )]
     fn lennard_jones(
         epsilon: &Bound<'_, PyAny>,
         sigma: &Bound<'_, PyAny>,
         cutoff: &Bound<'_, PyAny>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        refuse_unknown::<Self>("lennard_jones", unknown)?;
         let squares = Squares::read([("epsilon", epsilon), ("sigma", sigma)])?;
         let (count, [epsilon, sigma]) = (squares.count, &squares.all);
         let cutoff = real("cutoff", cutoff)?;
@@ -241,14 +252,16 @@ impl PyPairForce {
     /// 50.0
     #[staticmethod]
     #[pyo3(
-        signature = (stiffness, diameters, *, damping=Given::NOTHING),
+        signature = (stiffness, diameters, *, damping=Given::NOTHING, **unknown),
         text_signature = "(stiffness, diameters, *, damping=0.0)"
     )]
     fn soft_discs(
         stiffness: &Bound<'_, PyAny>,
         diameters: &Bound<'_, PyAny>,
         damping: Given<'_>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        refuse_unknown::<Self>("soft_discs", unknown)?;
         let squares = Squares::read([("stiffness", stiffness), ("diameters", diameters)])?;
         let (count, [stiffness, diameters]) = (squares.count, &squares.all);
         let damping = real_or("damping", &damping, 0.0)?;

@@ -4,11 +4,13 @@ use jostle_base::memory;
 use jostle_index::Each;
 use jostle_world::forces::{Spring, Springs};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::arguments;
 use super::valid;
-use crate::arrays::{Argument, Given, reals};
+use crate::arrays::{Argument, reals};
 use crate::error::refused;
+use crate::keywords::Keywords;
 
 /// Springs between pairs of particles.
 ///
@@ -40,6 +42,8 @@ use crate::error::refused;
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a shape is wrong or a number is out of range; the message says which.
+/// IdError
+///     When it is assigned to `World.forces`, if no particle has an id.
 ///
 /// See Also
 /// --------
@@ -62,25 +66,25 @@ pub struct PySprings(pub Springs);
 impl PySprings {
     #[new]
     #[pyo3(
-        signature = (pairs, lengths, stiffness, *, damping=Given::NOTHING, max_stretch=None),
+        signature = (*arguments, **keywords),
         text_signature = "(pairs, lengths, stiffness, *, damping=0.0, max_stretch=None)"
     )]
-    fn new(
-        pairs: &Bound<'_, PyAny>,
-        lengths: &Bound<'_, PyAny>,
-        stiffness: &Bound<'_, PyAny>,
-        damping: Given<'_>,
-        max_stretch: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let pairs = Argument::integers("pairs", pairs)?.id_pairs()?;
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["pairs", "lengths", "stiffness"];
+        let mut given = Keywords::of_all("Springs()", &names, arguments, keywords)?;
+        let [pairs, lengths, stiffness] = given.require(names)?;
+        let damping = given.given("damping");
+        let max_stretch = given.take_some("max_stretch");
+        given.end()?;
+        let pairs = Argument::integers("pairs", &pairs)?.id_pairs()?;
         let len = pairs.len();
         let column = |name, value: Option<&Bound<'_, PyAny>>, default| -> PyResult<Each<f32>> {
             Ok(reals(name, value, len)?.unwrap_or(Each::One(default)))
         };
-        let lengths = column("lengths", Some(lengths), 0.0)?;
-        let stiffness = column("stiffness", Some(stiffness), 0.0)?;
+        let lengths = column("lengths", Some(&lengths), 0.0)?;
+        let stiffness = column("stiffness", Some(&stiffness), 0.0)?;
         let damping = column("damping", damping.value(), 0.0)?;
-        let max_stretch = column("max_stretch", max_stretch, f32::INFINITY)?;
+        let max_stretch = column("max_stretch", max_stretch.as_ref(), f32::INFINITY)?;
         let spring = |row: usize| Spring {
             pair: pairs[row],
             length: lengths.at(row),

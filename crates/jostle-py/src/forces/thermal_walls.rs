@@ -5,11 +5,13 @@ use jostle_index::Each;
 use jostle_world::container::{FIRST_SIDE, KNOWN_SIDES};
 use jostle_world::forces::{ThermalWalls, WallIds};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{Numbers, arguments, plain_arguments};
 use super::{read_seed, real, valid};
-use crate::arrays::{Given, long_ids};
+use crate::arrays::long_ids;
 use crate::error::refused;
+use crate::keywords::Keywords;
 
 /// Sides of the container, and walls, with a temperature.
 ///
@@ -40,8 +42,10 @@ use crate::error::refused;
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a number is out of range, or a side or a wall is given twice. When it is assigned to
-///     `World.forces`, also if a wall does not exist, or has a temperature already, or the container does
-///     not have a side. A change of `World.container` to one without it is refused, too.
+///     `World.forces`, also if a wall has a temperature already, or the container does not have a
+///     side. A change of `World.container` to one without it is refused, too.
+/// IdError
+///     When it is assigned to `World.forces`, if a wall does not exist.
 ///
 /// See Also
 /// --------
@@ -83,18 +87,19 @@ pub struct PyThermalWalls(pub ThermalWalls);
 impl PyThermalWalls {
     #[new]
     #[pyo3(
-        signature = (temperature, *, sides=None, walls=None, seed=Given::NOTHING),
+        signature = (*arguments, **keywords),
         text_signature = "(temperature, *, sides=None, walls=None, seed=0)"
     )]
-    fn new(
-        temperature: &Bound<'_, PyAny>,
-        sides: Option<&Bound<'_, PyAny>>,
-        walls: Option<&Bound<'_, PyAny>>,
-        seed: Given<'_>,
-    ) -> PyResult<Self> {
-        let temperature = real("temperature", temperature)?;
-        let sides = sides.map_or(Ok([walls.is_none(); KNOWN_SIDES]), self::sides)?;
-        let walls = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["temperature"];
+        let mut given = Keywords::of_all("ThermalWalls()", &names, arguments, keywords)?;
+        let [temperature] = given.require(names)?;
+        let [sides, walls] = given.take_all(["sides", "walls"]);
+        let seed = given.given("seed");
+        given.end()?;
+        let temperature = real("temperature", &temperature)?;
+        let sides = sides.as_ref().map_or(Ok([walls.is_none(); KNOWN_SIDES]), self::sides)?;
+        let walls = walls.as_ref().map(|value| long_ids("walls", value, "wall")).transpose()?;
         let walls = WallIds(walls.map_or(Vec::new(), |ids| ids.rows(1)));
         let seed = read_seed(&seed)?;
         Ok(Self(valid(ThermalWalls { temperature, sides, walls, seed }, ThermalWalls::validate)?))

@@ -2,9 +2,11 @@
 
 use jostle_world::forces::Thermostat;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
 use super::{real, valid};
+use crate::keywords::Keywords;
 
 /// Walls that heat or cool the particles that bounce off them.
 ///
@@ -47,8 +49,13 @@ pub struct PyThermostat(pub Thermostat);
 #[pymethods]
 impl PyThermostat {
     #[new]
-    fn new(speed: &Bound<'_, PyAny>, rate: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let (speed, rate) = (real("speed", speed)?, real("rate", rate)?);
+    #[pyo3(signature = (*arguments, **keywords), text_signature = "(speed, rate)")]
+    fn new(arguments: &Bound<'_, PyTuple>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let names = ["speed", "rate"];
+        let mut given = Keywords::of_all("Thermostat()", &names, arguments, keywords)?;
+        let [speed, rate] = given.require(names)?;
+        given.end()?;
+        let (speed, rate) = (real("speed", &speed)?, real("rate", &rate)?);
         Ok(Self(valid(Thermostat { speed, rate }, Thermostat::validate)?))
     }
 }

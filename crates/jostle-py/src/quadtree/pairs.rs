@@ -7,11 +7,13 @@ use jostle_index::pairs::{self, Overlaps};
 use numpy::{Element, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::{PyQuadtree, Tree};
 use crate::arrays::{Given, long, table, truth};
 use crate::error::{refused, type_error};
 use crate::interrupt::detached;
+use crate::keywords::refuse_unknown;
 use crate::queries::{self, Maybe};
 use crate::{results, settings};
 
@@ -64,11 +66,11 @@ impl PyQuadtree {
     #[pyo3(
         signature = (
             other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None,
-            distance=Given::NOTHING,
-        ),
+            distance=Given::NOTHING, **unknown),
         text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None, \
                           distance=0.0)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn pairs<'py>(
         &self,
         py: Python<'py>,
@@ -77,7 +79,9 @@ impl PyQuadtree {
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
         distance: Given<'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        refuse_unknown::<Self>("pairs", unknown)?;
         let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         let other = other.map(|other| self.partner(other)).transpose()?;
@@ -165,7 +169,7 @@ impl PyQuadtree {
     /// >>> tree.contacts(walls, sort=True).depths
     /// array([0.5, 1.5])
     #[pyo3(
-        signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, **unknown),
         text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None)"
     )]
     fn contacts<'py>(
@@ -175,7 +179,9 @@ impl PyQuadtree {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        refuse_unknown::<Self>("contacts", unknown)?;
         let filter = (queries::mask(mask)?, truth("sort", &sort)?);
         let max_pairs = settings::max_pairs(&max_pairs)?;
         let other = other.map(|other| self.partner(other)).transpose()?;

@@ -64,9 +64,10 @@ macro_rules! cast_methods {
             /// >>> hits.ids, hits.walls, hits.distances
             /// (array([ 0, -1]), array([-1, -2]), array([2., 5.], dtype=float32))
             #[pyo3(
-                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None),
+                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
+            #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
             fn raycast<'py>(
                 &self,
                 py: Python<'py>,
@@ -75,7 +76,9 @@ macro_rules! cast_methods {
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("raycast", unknown)?;
                 let sizes = (None, None);
                 let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
                 self.cast(py, &cast, mask, false)
@@ -122,9 +125,10 @@ macro_rules! cast_methods {
             /// >>> hits.ids, hits.distances
             /// (array([0, 1]), array([3., 6.]))
             #[pyo3(
-                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None),
+                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
+            #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
             fn raycast_all<'py>(
                 &self,
                 py: Python<'py>,
@@ -133,7 +137,9 @@ macro_rules! cast_methods {
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("raycast_all", unknown)?;
                 let sizes = (None, None);
                 let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
                 self.cast(py, &cast, mask, true)
@@ -190,8 +196,7 @@ macro_rules! cast_methods {
             #[pyo3(
                 signature = (
                     origin, direction, *, radii=Given::NOTHING, half_sizes=None,
-                    max_distance=Given::NOTHING, mask=None, exclude=None,
-                ),
+                    max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, origin, direction, *, radii=0.0, half_sizes=None, max_distance=math.inf, mask=None, exclude=None)"
             )]
             #[expect(clippy::too_many_arguments, reason = "they are Python's arguments")]
@@ -205,7 +210,9 @@ macro_rules! cast_methods {
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("shape_cast", unknown)?;
                 let sizes = (half_sizes, radii.value());
                 let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
                 self.cast(py, &cast, mask, false)

@@ -50,14 +50,19 @@ macro_rules! region_methods {
             /// >>> found = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
             /// >>> found[1], found.counts
             /// (array([1, 2]), array([1, 2]))
-            #[pyo3(signature = (rect, *, mask=None, exclude=None))]
+            #[pyo3(
+                signature = (rect, *, mask=None, exclude=None, **unknown),
+                text_signature = "($self, rect, *, mask=None, exclude=None)",
+            )]
             fn query_rect<'py>(
                 &self,
                 py: Python<'py>,
                 rect: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("query_rect", unknown)?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::rect(py, rect, exclude.as_ref(), |rects| index.search(rects, mask))
@@ -100,7 +105,10 @@ macro_rules! region_methods {
             /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
             /// >>> tree.query_circle((1, 0), 1.5)
             /// array([0, 1])
-            #[pyo3(signature = (center, radius, *, mask=None, exclude=None))]
+            #[pyo3(
+                signature = (center, radius, *, mask=None, exclude=None, **unknown),
+                text_signature = "($self, center, radius, *, mask=None, exclude=None)",
+            )]
             fn query_circle<'py>(
                 &self,
                 py: Python<'py>,
@@ -108,7 +116,9 @@ macro_rules! region_methods {
                 radius: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("query_circle", unknown)?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::circle(py, center, radius, exclude.as_ref(), |circles| index.search(circles, mask))
@@ -151,14 +161,19 @@ macro_rules! region_methods {
             /// >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
             /// >>> tree.query_point((1.0, 0.2))
             /// array([1])
-            #[pyo3(signature = (point, *, mask=None, exclude=None))]
+            #[pyo3(
+                signature = (point, *, mask=None, exclude=None, **unknown),
+                text_signature = "($self, point, *, mask=None, exclude=None)",
+            )]
             fn query_point<'py>(
                 &self,
                 py: Python<'py>,
                 point: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("query_point", unknown)?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::point(py, point, exclude.as_ref(), |points| index.search(points, mask))
@@ -198,14 +213,19 @@ macro_rules! region_methods {
             /// >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
             /// >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
             /// array([2])
-            #[pyo3(signature = (vertices, *, mask=None, exclude=None))]
+            #[pyo3(
+                signature = (vertices, *, mask=None, exclude=None, **unknown),
+                text_signature = "($self, vertices, *, mask=None, exclude=None)",
+            )]
             fn query_polygon<'py>(
                 &self,
                 py: Python<'py>,
                 vertices: &Bound<'py, PyAny>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
+                unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
+                crate::keywords::refuse_unknown::<Self>("query_polygon", unknown)?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::polygon(py, vertices, exclude.as_ref(), |polygons| index.search(polygons, mask))

@@ -6,11 +6,13 @@ use jostle_space::ShapeChanges;
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::columns::moved;
 use super::{Either, PySpace, long};
 use crate::arrays::{Argument, Given, bit_sets, column, reals};
 use crate::ids::Ids;
+use crate::keywords::refuse_unknown;
 use crate::queries::{Maybe, result_of};
 use crate::shapes::{Positions, Where};
 
@@ -80,8 +82,7 @@ impl PySpace {
     #[pyo3(
         signature = (
             positions=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, segments=None,
-            categories=Given::NOTHING, masks=Given::NOTHING,
-        ),
+            categories=Given::NOTHING, masks=Given::NOTHING, **unknown),
         text_signature = "($self, positions=None, radii=0.0, half_sizes=None, *, boxes=None, \
                           segments=None, categories=1, masks=0xFFFFFFFF)"
     )]
@@ -96,7 +97,9 @@ impl PySpace {
         segments: Maybe<'_, 'py>,
         categories: Given<'py>,
         masks: Given<'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        refuse_unknown::<Self>("add", unknown)?;
         with_space!(self, space => {
             let (positions, len) = Where::read([positions, half_sizes, boxes, segments])?.one_or_rows()?;
             let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
@@ -172,8 +175,10 @@ impl PySpace {
     #[pyo3(
         signature = (
             ids, *, positions=None, radii=None, half_sizes=None, boxes=None, segments=None,
-            categories=None, masks=None,
-        )
+            categories=None, masks=None, **unknown
+        ),
+        text_signature = "($self, ids, *, positions=None, radii=None, half_sizes=None, boxes=None, \
+                          segments=None, categories=None, masks=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's arguments")]
     fn set<'py>(
@@ -187,7 +192,9 @@ impl PySpace {
         segments: Maybe<'_, 'py>,
         categories: Maybe<'_, 'py>,
         masks: Maybe<'_, 'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
+        refuse_unknown::<Self>("set", unknown)?;
         with_space!(self, space => {
             let ids = Ids::read(ids, "shape")?;
             let len = ids.all.len();

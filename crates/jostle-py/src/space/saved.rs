@@ -8,10 +8,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::{Either, PySpace, is_single, long, shared};
-use crate::arrays::{Argument, Given, column, table};
+use crate::arrays::{Argument, column, table};
 use crate::error::{refused, value_error};
 use crate::events::Reduced;
 use crate::interrupt::detached;
+use crate::keywords::Keywords;
 use crate::lock::Shared;
 use crate::settings;
 
@@ -88,15 +89,9 @@ pub fn restore_space<'py>(
     options: &Bound<'py, PyDict>,
     state: &Bound<'py, PyTuple>,
 ) -> PyResult<PySpace> {
-    let option = |name: &str| Ok::<_, PyErr>(options.get_item(name)?.filter(|v| !v.is_none()));
-    let (leaf_capacity, max_depth) = (option("leaf_capacity")?, option("max_depth")?);
-    let settings = settings::tree(
-        &Given::of(leaf_capacity),
-        &Given::of(max_depth),
-        option("threads")?.as_ref(),
-    )?;
-    let period = settings::period(option("period")?.as_ref())?;
-    let space = if is_single(&Given::of(option("dtype")?))? {
+    let mut given = Keywords::of("Space", Some(options))?;
+    let (settings, period) = settings::index(&mut given)?;
+    let space = if is_single(&given.given("dtype"))? {
         Either::Single(restored(py, settings, period, state)?)
     } else {
         Either::Double(restored(py, settings, period, state)?)

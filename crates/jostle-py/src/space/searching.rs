@@ -7,11 +7,13 @@ use jostle_index::Scalar;
 use jostle_space::{Events, Wanted, WithCategories};
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::{Either, PySpace, long};
 use crate::arrays::{Given, table, truth};
 use crate::error::refused;
 use crate::events::PyEvents;
+use crate::keywords::refuse_unknown;
 use crate::queries::{self, Maybe};
 use crate::results;
 use crate::settings;
@@ -89,10 +91,16 @@ impl PySpace {
     /// >>> events.entered, events.exited
     /// (array([[3, 4]]), array([[3, 4]]))
     #[pyo3(
-        signature = (*, swept=Given::NOTHING, max_pairs=Given::NOTHING),
+        signature = (*, swept=Given::NOTHING, max_pairs=Given::NOTHING, **unknown),
         text_signature = "($self, *, swept=False, max_pairs=134217728)"
     )]
-    fn update(slf: &Bound<'_, Self>, swept: Given<'_>, max_pairs: Given<'_>) -> PyResult<PyEvents> {
+    fn update(
+        slf: &Bound<'_, Self>,
+        swept: Given<'_>,
+        max_pairs: Given<'_>,
+        unknown: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyEvents> {
+        refuse_unknown::<Self>("update", unknown)?;
         let (swept, max_pairs) = (truth("swept", &swept)?, settings::max_pairs(&max_pairs)?);
         let this = slf.get();
         let events = with_space!(this, space => {
@@ -142,8 +150,7 @@ impl PySpace {
     /// array([[1, 2]])
     #[pyo3(
         signature = (
-            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING,
-        ),
+            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING, **unknown),
         text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None, distance=0.0)"
     )]
     fn pairs<'py>(
@@ -153,7 +160,9 @@ impl PySpace {
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
         distance: Given<'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        refuse_unknown::<Self>("pairs", unknown)?;
         let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         with_space!(self, space => {
@@ -220,7 +229,7 @@ impl PySpace {
     /// >>> contacts.points[:, 0]
     /// array([[0.  , 0.75]])
     #[pyo3(
-        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, **unknown),
         text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
     )]
     fn contacts<'py>(
@@ -229,7 +238,9 @@ impl PySpace {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        refuse_unknown::<Self>("contacts", unknown)?;
         let filter = (queries::mask(mask)?, truth("sort", &sort)?);
         let max_pairs = settings::max_pairs(&max_pairs)?;
         with_space!(self, space => {

@@ -1,9 +1,11 @@
 //! Moving the shapes of a space among obstacles.
 
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::{Either, PySpace};
 use crate::arrays::Given;
+use crate::keywords::refuse_unknown;
 use crate::queries::Maybe;
 use crate::slide;
 
@@ -147,8 +149,7 @@ impl PySpace {
         signature = (
             ids, displacements, *, mask=None, up=Given::NOTHING, floor_angle=Given::NOTHING,
             snap=Given::NOTHING, step_height=Given::NOTHING, constant_speed=Given::NOTHING,
-            one_way=Given::NOTHING, max_slides=Given::NOTHING,
-        ),
+            one_way=Given::NOTHING, max_slides=Given::NOTHING, **unknown),
         text_signature = "($self, ids, displacements, *, mask=None, up=(0, -1), \
                           floor_angle=0.7853981633974483, snap=0, step_height=0, \
                           constant_speed=False, one_way=0, max_slides=4)"
@@ -167,7 +168,9 @@ impl PySpace {
         constant_speed: Given<'py>,
         one_way: Given<'py>,
         max_slides: Given<'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        refuse_unknown::<Self>("move_and_slide", unknown)?;
         let rules = slide::Rules::read(&slide::Keywords {
             mask,
             up,

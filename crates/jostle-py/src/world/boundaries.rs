@@ -35,7 +35,7 @@ impl PyWorld {
 
     #[setter]
     fn set_container(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let (container, sides) = containers::read(value)?;
+        let (container, sides) = containers::read("container", value)?;
         if container != Container::None && self.rules(py)?.container.has_period() {
             return Err(containers::both());
         }

@@ -198,6 +198,35 @@ columns! {
 
 #[pymethods]
 impl PyWorld {
+    /// Where the particles would be without a period: ndarray of float64, shape (n, 2), a read-only
+    /// copy in units of length.
+    ///
+    /// A particle that leaves a periodic plane on one side enters on the other, and `positions` are
+    /// from 0 to the period. Here the periods that it has travelled are added, so differences from
+    /// step to step are displacements. All digits of the state are included, also those that
+    /// float32 removes from `positions`. A particle that is added, or is given another position by
+    /// `set` or by assigning `positions`, begins at that position. If the period changes, all begin
+    /// at their `positions`. A merged particle continues the path of that whose id it has.
+    ///
+    /// Without a period they are the positions. They are kept by snapshots and files.
+    ///
+    /// See Also
+    /// --------
+    /// positions : Within the period.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> world = jostle.World([(9, 5)], 1.0, velocities=[(2, 0)], period=10)
+    /// >>> world.step(0.5, steps=26)
+    /// >>> world.positions, world.unwrapped_positions
+    /// (array([[5., 5.]], dtype=float32), array([[35.,  5.]]))
+    #[getter]
+    fn unwrapped_positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let column = self.long(py, |state| state.world.unwrapped_positions())?.map_err(refused)?;
+        Ok(read_only(table(py, column)?))
+    }
+
     /// Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
     ///
     /// An island of particles that touch or nearly touch falls asleep under gravity if each of them

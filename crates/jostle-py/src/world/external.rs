@@ -1,22 +1,24 @@
-//! Forces and accelerations that the caller gives.
+//! Forces, impulses and accelerations that the caller gives.
 
 use jostle_base::memory;
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::PyWorld;
 use super::edits::vectors_of;
 use crate::arrays::{read_only, table};
 use crate::error::refused;
 use crate::ids::Ids;
+use crate::keywords::refuse_unknown;
 use crate::particles::vectors;
 
 #[pymethods]
 impl PyWorld {
     /// Add given forces on some particles, for the next call of `step`.
     ///
-    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces
-    /// on the same particle add up.
+    /// They act at the centres during all steps of that call, beside gravity and `forces`, and end with
+    /// it. Forces on the same particle add up. They are kept by snapshots and files.
     ///
     /// Parameters
     /// ----------
@@ -34,17 +36,19 @@ impl PyWorld {
     ///
     /// See Also
     /// --------
-    /// World.accelerations : Those of all particles.
+    /// apply_impulse : Impulses, which act at once.
+    /// net_forces : The sum of all forces, these included.
+    /// accelerations : Those of all particles.
     ///
     /// Examples
     /// --------
     /// >>> import jostle
     /// >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
-    /// >>> world.force(1, (0, 6))
+    /// >>> world.apply_force(1, (0, 6))
     /// >>> world.step(0.5, steps=2)
     /// >>> world.velocities.tolist()
     /// [[0.0, 0.0], [0.0, 3.0]]
-    fn force(
+    fn apply_force(
         &self,
         py: Python<'_>,
         ids: &Bound<'_, PyAny>,
@@ -55,10 +59,67 @@ impl PyWorld {
         ids.result_of(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
     }
 
+    /// Give impulses to some particles, at once.
+    ///
+    /// An impulse P changes the velocity by P/m, and, if it acts at a point, the angular velocity by
+    /// r × P/I, where r is the offset of the point from the centre and I = m r²/2 the moment of
+    /// inertia. Impulses on the same particle add up, and their sum is rounded once.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The particles; one may be given more than once. Immovable ones do not change.
+    /// impulses : array_like, shape (k, 2), or (2,) for one id
+    ///     In units of mass times length per second. An impulse wakes the particle.
+    /// points : array_like, shape (k, 2), or (2,) for one id, optional
+    ///     Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
+    ///     image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
+    ///
+    /// Raises
+    /// ------
+    /// IdError
+    ///     If an id does not exist; then nothing is changed.
+    /// TypeError, ValueError
+    ///     If a shape is wrong, or a number is not finite or too large; then nothing is changed.
+    ///
+    /// See Also
+    /// --------
+    /// apply_force : Forces during the next call of `step`.
+    /// momentum : Their sum is added to it.
+    ///
+    /// Examples
+    /// --------
+    /// A disc is hit at its right end, from below:
+    ///
+    /// >>> import jostle
+    /// >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
+    /// >>> world.apply_impulse(1, (0, 6), points=(6, 0))
+    /// >>> world.velocities.tolist(), world.angular_velocities.tolist()
+    /// ([[0.0, 0.0], [0.0, 3.0]], [0.0, 6.0])
+    #[pyo3(signature = (ids, impulses, points=None, **unknown), text_signature = "($self, ids, impulses, points=None)")]
+    fn apply_impulse(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        impulses: &Bound<'_, PyAny>,
+        points: Option<&Bound<'_, PyAny>>,
+        unknown: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        refuse_unknown::<Self>("apply_impulse", unknown)?;
+        let ids = Ids::read(ids, "particle")?;
+        let impulses = vectors_of(&ids, "impulses", Some(impulses))?.unwrap_or_default();
+        let points = vectors_of(&ids, "points", points)?;
+        ids.result_of(
+            self.long(py, |state| {
+                state.world.apply_impulses(&ids.all, &impulses, points.as_deref())
+            })?,
+        )
+    }
+
     /// Given accelerations in the next call of `step`: ndarray of float32, shape
     /// (n, 2), a read-only copy in units of length per second².
     ///
-    /// Assign an array of this shape before each call, or None for none; `force` adds to it. They
+    /// Assign an array of this shape before each call, or None for none; `apply_force` adds to it. They
     /// act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
     /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
     /// the call.
@@ -70,7 +131,7 @@ impl PyWorld {
     ///
     /// See Also
     /// --------
-    /// World.force : Forces on some particles.
+    /// apply_force : Forces on some particles.
     ///
     /// Examples
     /// --------

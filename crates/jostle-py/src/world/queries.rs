@@ -5,11 +5,13 @@ use jostle_index::Each;
 use jostle_index::query::{Hits, Neighbors, Ray, Region};
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::{PyWorld, State};
 use crate::arrays::{Given, number, table, truth};
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::keywords::refuse_unknown;
 use crate::lock::Shared;
 use crate::queries::{self, Answer, Cast, Maybe};
 use crate::query_methods::{Casts, Index, NeighborIndex, query_methods};
@@ -108,8 +110,7 @@ impl PyWorld {
     /// (array([[1, 2]]), array([[0, 1]]))
     #[pyo3(
         signature = (
-            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING,
-        ),
+            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING, **unknown),
         text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None, distance=0.0)"
     )]
     fn pairs<'py>(
@@ -119,7 +120,9 @@ impl PyWorld {
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
         distance: Given<'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        refuse_unknown::<Self>("pairs", unknown)?;
         let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         let pairs = self.question(py, |state| {
@@ -164,7 +167,7 @@ impl PyWorld {
     /// >>> contacts.pairs, contacts.normals, contacts.depths
     /// (array([[0, 1]]), array([[1., 0.]], dtype=float32), array([0.5], dtype=float32))
     #[pyo3(
-        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, **unknown),
         text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
     )]
     fn contacts<'py>(
@@ -173,7 +176,9 @@ impl PyWorld {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        refuse_unknown::<Self>("contacts", unknown)?;
         let filter = (queries::mask(mask)?, truth("sort", &sort)?);
         let max_pairs = settings::max_pairs(&max_pairs)?;
         let found = self.question(py, |state| state.world.overlaps(filter, max_pairs))?;

@@ -1,12 +1,14 @@
 //! Sums and the hash of the state.
 
-use numpy::PyArray1;
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::PyWorld;
-use crate::arrays::{Given, column, point};
+use crate::arrays::{Given, column, point, table};
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::keywords::refuse_unknown;
 
 #[pymethods]
 impl PyWorld {
@@ -47,8 +49,14 @@ impl PyWorld {
     /// >>> world = jostle.World([(3, 0)], 1.0, velocities=[(0, 2)], angular_velocities=4.0)
     /// >>> world.angular_momentum(), world.angular_momentum(about=(3, 0))
     /// (8.0, 2.0)
-    #[pyo3(signature = (about=Given::NOTHING), text_signature = "($self, about=(0.0, 0.0))")]
-    fn angular_momentum(&self, py: Python<'_>, about: Given<'_>) -> PyResult<f64> {
+    #[pyo3(signature = (about=Given::NOTHING, **unknown), text_signature = "($self, about=(0.0, 0.0))")]
+    fn angular_momentum(
+        &self,
+        py: Python<'_>,
+        about: Given<'_>,
+        unknown: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<f64> {
+        refuse_unknown::<Self>("angular_momentum", unknown)?;
         let about = about.value().map_or(Ok([0.0; 2]), |at| point("about", at))?;
         self.long(py, |state| state.world.angular_momentum(about.map(f64::from)))
     }
@@ -109,6 +117,81 @@ impl PyWorld {
     /// Return the sum of `kinetic_energy` and `potential_energy`.
     fn total_energy(&self, py: Python<'_>) -> PyResult<f64> {
         Ok(self.kinetic_energy(py)? + self.potential_energy(py)?)
+    }
+
+    /// Return the sum of the forces on each particle at the present state, without those of contacts.
+    ///
+    /// It is m (gravity - drag v), and the forces of `forces` that accelerate particles: `Attractor`,
+    /// `Gravitation`, `PairForce`, `Flocking`, `Grab` and `Springs`, with their damping; and what is
+    /// given for the next call of `step`. Contacts, walls and sides are left out: `last_step` has their
+    /// impulses. So are the speed limits of `Flocking`, and thermostats.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (n, 2)
+    ///     In units of mass times length per second squared, in the order of `ids`; 0 for immovable
+    ///     particles.
+    ///
+    /// See Also
+    /// --------
+    /// force_virial : The sum of offset times force over all pairs.
+    /// potential_energy : Its negative gradient is the part of the forces that has a potential.
+    ///
+    /// Notes
+    /// -----
+    /// Positions are those of float32. Accelerations are computed in float32, as in a step, for all
+    /// particles, so the cost is about that of the forces in a sub-step.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> spring = jostle.Springs([(0, 1)], lengths=1.0, stiffness=10.0)
+    /// >>> world = jostle.World(
+    /// ...     [(0, 0), (3, 0)], 0.1, masses=2.0, gravity=(0, -1), forces=[spring]
+    /// ... )
+    /// >>> world.net_forces()
+    /// array([[ 20.,  -2.],
+    ///        [-20.,  -2.]])
+    fn net_forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        // After an interruption the result is not used.
+        let forces = detached(py, || self.state.lock().map(|all| all.world.net_forces()));
+        table(py, forces??.map_err(refused)?)
+    }
+
+    /// Return the virial of the forces between pairs at the present state: the sum of offset times
+    /// force over all pairs, as `collision_virial` of `last_call` is that of offset times impulse.
+    ///
+    /// The offset is from one particle of the pair to the nearest image of the other, the force is that
+    /// on the other: repulsion is positive. The forces are those of `PairForce`, `Gravitation` and
+    /// `Springs`, with their damping. If those of a `PairForce` are not equal and opposite, a pair has
+    /// the mean of both. Gravity, `Attractor` and `Flocking` do not act between pairs and are left
+    /// out.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of float64, shape (2, 2)
+    ///     In units of energy. The first index is the axis of the offset, the second that of the force.
+    ///
+    /// See Also
+    /// --------
+    /// net_forces : The forces on each particle.
+    /// last_call : The virial of collisions, summed over all steps of a call.
+    ///
+    /// Notes
+    /// -----
+    /// The pressure on an area A is (n T + ½ tr W) / A, where T is the temperature and W the mean of the
+    /// virial. The mean of collisions is `collision_virial` over `duration`.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> spring = jostle.Springs([(0, 1)], lengths=1.0, stiffness=10.0)
+    /// >>> jostle.World([(0, 0), (3, 0)], 0.1, forces=[spring]).force_virial()
+    /// array([[-60.,   0.],
+    ///        [  0.,   0.]])
+    fn force_virial<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let virial = detached(py, || self.state.lock().map(|all| all.world.force_virial()));
+        table(py, virial??.map_err(refused)?.to_vec())
     }
 
     /// Return a 64-bit hash of all particles.

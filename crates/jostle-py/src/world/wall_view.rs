@@ -24,15 +24,14 @@ use crate::walls::{self, Columns, as_it_is};
 /// them as a whole, or change some walls with `set`. A change wakes all particles. It costs as much
 /// as all walls, so change many at once.
 ///
-/// A wall is solid from both sides, and so are its ends, unless it is `one_way` or one of the
-/// `sensors`. It moves with its velocity in each step, and pushes particles as a kinematic particle
-/// does. Walls that are moved by a change transfer no momentum: particles that overlap a wall are
-/// pushed out in several steps, to the side on which their centre is.
+/// A wall stops particles from both sides and at its ends. A wall that is `one_way` stops them only
+/// from its left, and a sensor stops none. A wall moves with its velocity in each step, and pushes
+/// particles as a kinematic particle does. Walls that are moved by a change transfer no momentum:
+/// particles that overlap a wall are pushed out in several steps, to the side on which their centre is.
 ///
 /// Queries find walls by id, where they are now in float32, in a periodic world across its sides. Rays and
-/// moving shapes hit what casts of the `World` hit of the walls: no sensors, and one-way walls from their left
-/// alone. The first query after walls have moved
-/// or changed builds a tree of all walls; later ones use it.
+/// moving shapes hit the same walls as casts of the `World`: no sensors, and one-way walls only from their left.
+/// The first query after walls have moved or changed builds a tree of all walls; later ones use it.
 ///
 /// See Also
 /// --------
@@ -94,8 +93,8 @@ impl PyWalls {
     ///     Coefficients. A contact has the square root of the product with that of the particle. None,
     ///     and NaN for one wall, is the coefficient of the particle.
     /// sensors : array_like of bool, one or shape (k,), default False
-    ///     Whether the wall is a sensor: no particle feels it, and `World.wall_events` tells which
-    ///     particles touch it, also on their way through within one step.
+    ///     Whether the wall is a sensor: it stops no particle. `World.wall_events` has the particles that
+    ///     touch it, also those that cross it within one step.
     /// one_way : array_like of bool, one or shape (k,), default False
     ///     Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx),
     ///     where (dx, dy) is ``end - start``. A particle comes from there if all of it is there, up to an
@@ -392,9 +391,9 @@ impl PyWalls {
         self.assign(py, "restitution", value)
     }
 
-    /// Which walls are sensors, which no particle feels: ndarray of bool, shape (m,), a read-only copy.
+    /// Which walls are sensors, which stop no particle: ndarray of bool, shape (m,), a read-only copy.
     ///
-    /// `World.wall_events` tells which particles touch them. To change all, assign an array or one bool.
+    /// `World.wall_events` has the particles that touch them. To change all, assign an array or one bool.
     #[getter]
     fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         self.array_of(py, |wall| wall.is_sensor)

@@ -32,7 +32,7 @@ impl Chance {
     }
 
     /// Uniform in the open interval (0, 1).
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         // 52 bits and a half: the result is exact, and neither 0 nor 1.
         ((self.next() >> 12) as f64 + 0.5) / (1u64 << 52) as f64
     }

@@ -33,24 +33,32 @@ impl Grab {
 
     /// The acceleration of the body at an index.
     fn pull(&self, bodies: &ForceInput<'_>, index: usize) -> [f32; 2] {
-        let (middle, velocity) = (bodies.positions[index], bodies.velocities[index]);
-        let offset = [0, 1].map(|k| self.point[k] - middle[k]);
-        let offset = bodies.container.period().minimum_image(offset);
-        // The velocity at the end of the time h follows from the force at the end: v' = v + h (ω² (d − h v') − 2 ω v'),
-        // with the offset d at its beginning. So a large ω h leads to no oscillation that grows. The offset here is
-        // that after half of a free flight, d − h v / 2.
-        let (rate, share) =
-            (f64::from(self.rate), f64::from(self.rate) * f64::from(bodies.seconds));
-        let divisor = (1.0 + share) * (1.0 + share);
-        let pull = [0, 1].map(|k| {
-            let (offset, velocity) = (f64::from(offset[k]), f64::from(velocity[k]));
-            rate * (rate * offset - (2.0 + 0.5 * share) * velocity) / divisor
-        });
+        let (middle, velocity) = (bodies.positions[index], bodies.velocities[index].map(f64::from));
+        let left = [0, 1].map(|k| self.point[k] - middle[k]);
+        let left = bodies.container.period().minimum_image(left).map(f64::from);
+        let h = f64::from(bodies.seconds);
+        // Positions are those after half of a free flight.
+        let way = [0, 1].map(|k| left[k] + 0.5 * h * velocity[k]);
+        let pull = [0, 1].map(|k| acceleration([way[k], velocity[k]], f64::from(self.rate), h));
         let most = f64::from(self.max_force) / f64::from(bodies.masses[index]);
         let size = (pull[0] * pull[0] + pull[1] * pull[1]).sqrt();
         let factor = if size > most { most / size } else { 1.0 };
         pull.map(|a| (a * factor) as f32)
     }
+}
+
+/// The acceleration in a sub-step of `h` seconds without a limit; `way` is the offset to the point.
+///
+/// Let ω be the rate, u the velocity and c the offset. A sub-step changes the velocity u by Δ and c by −h (u + Δ/2),
+/// because half of a kick comes before the flight. With Δ = α c/h − β u this is a linear map of (c, u h). Both of its
+/// eigenvalues are q if α = (1 − q)² and β = (1 − q)(3 + q)/2. A double real eigenvalue is critical damping, of the
+/// sub-steps themselves: a particle at rest does not move beyond the point, however large ω h is. q = 1/(1 + ω h) tends
+/// to exp(−ω h) for short sub-steps.
+fn acceleration([way, velocity]: [f64; 2], rate: f64, h: f64) -> f64 {
+    let q = 1.0 / (1.0 + rate * h);
+    // (1 − q)/h, without a division by h, which is 0 where forces are computed outside of a step.
+    let r = rate * q;
+    r * r * way - 0.5 * r * (3.0 + q) * velocity
 }
 
 impl Force for Grab {
@@ -78,5 +86,28 @@ impl Force for Grab {
 
     fn partners(&self) -> Partners {
         Partners::One(self.id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sub_steps_are_critically_damped_at_every_rate() {
+        for rate in [0.01, 1.0, 30.0, 1e4, 1e9] {
+            let h = 1.0 / 240.0;
+            let q = 1.0 / (1.0 + rate * h);
+            let (mut way, mut velocity) = (1.0, 0.0);
+            for n in 1..=60 {
+                let change = h * acceleration([way, velocity], rate, h);
+                way -= h * (velocity + 0.5 * change);
+                velocity += change;
+                // The solution of the recurrence with the double eigenvalue q that begins at rest.
+                let first = 1.0 - 0.5 * (1.0 - q) * (1.0 - q);
+                let right = f64::powi(q, n - 1) * (q + f64::from(n) * (first - q));
+                assert!((way - right).abs() < 1e-9 && way > -1e-9, "{rate} {n}: {way} {right}");
+            }
+        }
     }
 }

@@ -18,7 +18,7 @@ use std::sync::Mutex;
 
 use super::record::record;
 use super::sorted::Sorted;
-use super::{Force, ForceInput, Partners, check_number};
+use super::{Force, ForceInput, Partners, Virial, check_number, total_of};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Stop;
@@ -140,6 +140,38 @@ impl Force for Gravitation {
     /// It is 0 at infinity, and summed over the same pairs of bodies, or over the same bodies and nodes, as the
     /// accelerations.
     fn energy(&self, bodies: &ForceInput<'_>) -> Result<f64> {
+        let soft = f64::from(self.softening);
+        // Each body is one of its own sources, at distance 0.
+        let own = if soft > 0.0 { 1.0 / soft } else { 0.0 };
+        let [sum] = self.sum_of_pairs(bodies, |walk, sources, at, mass| {
+            [mass * (sources.potential(at, soft, &walk.period) - mass * own)]
+        })?;
+        // Every pair was summed twice.
+        Ok(-0.5 * f64::from(self.g) * sum)
+    }
+
+    /// It is summed over the same pairs as the energy.
+    fn virial(&self, bodies: &ForceInput<'_>) -> Result<Virial> {
+        let soft = f64::from(self.softening);
+        let [xx, xy, yy] = self.sum_of_pairs(bodies, |walk, sources, at, mass| {
+            sources.pull_products(at, soft, &walk.period).map(|sum| mass * sum)
+        })?;
+        // Attraction is negative.
+        Ok([[xx, xy], [xy, yy]].map(|row| row.map(|sum| -0.5 * f64::from(self.g) * sum)))
+    }
+
+    fn partners(&self) -> Partners {
+        Partners::All
+    }
+}
+
+impl Gravitation {
+    /// The sums of `value` over all bodies: it gets their sources, position and mass.
+    fn sum_of_pairs<const N: usize>(
+        &self,
+        bodies: &ForceInput<'_>,
+        value: impl Fn(&Walk<'_>, &Sources, [f32; 2], f64) -> [f64; N] + Sync + Send,
+    ) -> Result<[f64; N]> {
         let mut scratch = Scratch::default();
         let direct = prepare(self, bodies, &mut scratch)?;
         let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
@@ -147,20 +179,15 @@ impl Force for Gravitation {
             Walk { gravitation: self, tree, all, moments, period: bodies.container.period() };
         let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
         let stop = Stop::current();
-        let mut parts = memory::filled(groups.len(), 0.0)?;
+        let mut parts = memory::filled(groups.len(), [0.0; N])?;
         let tasks = parts.iter_mut().zip(groups);
         parallel::try_for_each(threads, tasks, |(part, &group)| {
             if !stop.is_set() {
-                *part = walk.energy(group, direct)?;
+                *part = walk.sum_of_group(group, direct, &value)?;
             }
             Ok(())
         })?;
-        // Every pair was summed twice.
-        Ok(-0.5 * f64::from(self.g) * parts.iter().sum::<f64>())
-    }
-
-    fn partners(&self) -> Partners {
-        Partners::All
+        Ok(total_of(parts.into_iter()))
     }
 }
 
@@ -327,6 +354,19 @@ impl Sources {
     }
 }
 
+impl Sources {
+    /// Sums of m · x · x / d³, of m · x · y / d³ and of m · y · y / d³, where (x, y) is the offset from `position`.
+    fn pull_products(&self, [px, py]: [f32; 2], soft: f64, period: &Period<f32>) -> [f64; 3] {
+        let sources = self.x.iter().zip(&self.y).zip(&self.mass);
+        total_of(sources.map(|((x, y), &mass)| {
+            let [dx, dy] = period.minimum_image([x - px, y - py]).map(f64::from);
+            let square = (dx * dx + dy * dy + soft * soft).max(f64::from(MIN_SQUARE));
+            let factor = f64::from(mass) / (square * square.sqrt());
+            [factor * dx * dx, factor * dx * dy, factor * dy * dy]
+        }))
+    }
+}
+
 /// The interaction list of one group, and the stack of the traversal.
 #[derive(Debug, Default)]
 struct List {
@@ -358,19 +398,20 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Sum of m · M / d over the bodies of a group and their sources.
-    fn energy(&self, group: u32, direct: bool) -> Result<f64> {
+    /// The sums of `value` over the bodies of a group: it gets their sources, position and mass.
+    fn sum_of_group<const N: usize>(
+        &self,
+        group: u32,
+        direct: bool,
+        value: impl Fn(&Self, &Sources, [f32; 2], f64) -> [f64; N],
+    ) -> Result<[f64; N]> {
         let mut list = List::default();
         let sources = if direct { self.all } else { self.collect(group, &mut list)? };
-        let soft = f64::from(self.gravitation.softening);
-        // Each body is one of its own sources, at distance 0.
-        let own = if soft > 0.0 { 1.0 / soft } else { 0.0 };
-        let energy = |index: usize| {
-            let mass = f64::from(self.all.mass[index]);
+        let own = |index: usize| {
             let at = [self.all.x[index], self.all.y[index]];
-            mass * (sources.potential(at, soft, &self.period) - mass * own)
+            value(self, sources, at, f64::from(self.all.mass[index]))
         };
-        Ok(self.tree.nodes()[group as usize].range().map(energy).sum())
+        Ok(total_of(self.tree.nodes()[group as usize].range().map(own)))
     }
 
     /// Makes the interaction list of a group: near bodies and far nodes.

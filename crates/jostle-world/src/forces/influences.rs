@@ -260,9 +260,22 @@ impl Influences {
         }
     }
 
-    /// Writes the sum of the accelerations of each body by all forces. The sums are finite and do not depend on
+    /// Writes the acceleration of each body by all forces within their limits. It is finite and does not depend on
     /// the order of the bodies.
     pub fn accelerate(
+        &self,
+        bodies: &ForceInput<'_>,
+        scratch: &mut Scratch,
+        accelerations: &mut Vec<[f32; 2]>,
+    ) -> Result<()> {
+        self.sum(bodies, scratch, accelerations)?;
+        // Limits come last, because they depend on the sum of all forces.
+        self.forces().for_each(|force| force.limit(bodies, accelerations));
+        Ok(())
+    }
+
+    /// Writes the sum of the accelerations of each body by all forces, without the limits that are for a sub-step.
+    pub fn sum(
         &self,
         bodies: &ForceInput<'_>,
         scratch: &mut Scratch,
@@ -280,8 +293,6 @@ impl Influences {
             // Sums of valid forces may overflow or be NaN. A step relies on finite accelerations.
             chunk.iter_mut().for_each(|acceleration| *acceleration = acceleration.map(bounded));
         });
-        // Limits come last, because they depend on the sum of all forces.
-        self.forces().for_each(|force| force.limit(bodies, accelerations));
         Ok(())
     }
 

@@ -61,8 +61,35 @@ pub trait Force: Debug + Record {
     /// Potential energy of the bodies; 0 if the force has no potential.
     fn energy(&self, bodies: &ForceInput<'_>) -> Result<f64>;
 
+    /// The sum of the tensor products of offset and force over all pairs of bodies: the offset from one to the other,
+    /// and the force on the other; 0 if the force is not one between pairs.
+    fn virial(&self, _: &ForceInput<'_>) -> Result<Virial> {
+        Ok(Virial::default())
+    }
+
     /// On which particles it acts.
     fn partners(&self) -> Partners;
+}
+
+/// A sum of tensor products of offsets and forces; the first index is that of the offset.
+pub type Virial = [[f64; 2]; 2];
+
+/// The tensor product of an offset and a force.
+pub(crate) fn product(offset: [f64; 2], force: [f64; 2]) -> Virial {
+    offset.map(|x| force.map(|f| x * f))
+}
+
+/// The sum of two virials.
+pub(crate) fn sum_of(a: Virial, b: Virial) -> Virial {
+    [0, 1].map(|k| [0, 1].map(|l| a[k][l] + b[k][l]))
+}
+
+/// The sums of the columns of rows of numbers.
+pub(crate) fn total_of<const N: usize>(rows: impl Iterator<Item = [f64; N]>) -> [f64; N] {
+    rows.fold([0.0; N], |mut sum, row| {
+        sum.iter_mut().zip(row).for_each(|(sum, own)| *sum += own);
+        sum
+    })
 }
 
 /// The particles on which a force acts.

@@ -7,8 +7,8 @@
 
 use std::sync::Mutex;
 
-use super::ForceInput;
 use super::sorted::Sorted;
+use super::{ForceInput, total_of};
 use jostle_base::error::Result;
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel::{self, locked};
@@ -163,18 +163,18 @@ impl Scratch {
         Ok(())
     }
 
-    /// The sum of `value` over all ordered pairs of neighbours: it gets their indices and their
-    /// distance.
-    pub fn sum_of_pairs(
+    /// The sums of `value` over all ordered pairs of neighbours: it gets their indices and the offset
+    /// from the first to the second.
+    pub fn sum_of_pairs<const N: usize>(
         &self,
         bodies: &ForceInput<'_>,
         cutoff: f32,
-        value: impl Fn([usize; 2], f64) -> f64 + Sync + Send,
-    ) -> Result<f64> {
+        value: impl Fn([usize; 2], [f64; 2]) -> [f64; N] + Sync + Send,
+    ) -> Result<[f64; N]> {
         let search = self.search(bodies, cutoff, 0);
         let groups = &self.sorted.groups;
         let stop = Stop::current();
-        let mut parts = memory::filled(groups.len(), 0.0)?;
+        let mut parts = memory::filled(groups.len(), [0.0; N])?;
         let tasks = parts.iter_mut().zip(groups);
         parallel::try_for_each(threads(bodies), tasks, |(part, &group)| {
             if stop.is_set() {
@@ -183,10 +183,10 @@ impl Scratch {
             let mut list = List::default();
             search.list(group, &mut list)?;
             let own = |index| search.sum_of_body(index, &list.near, &value);
-            *part = self.sorted.range(group).map(own).sum::<f64>();
+            *part = total_of(self.sorted.range(group).map(own));
             Ok(())
         })?;
-        Ok(parts.iter().sum())
+        Ok(total_of(parts.into_iter()))
     }
 
     fn search(&self, bodies: &ForceInput<'_>, cutoff: f32, count: usize) -> Search<'_> {
@@ -317,14 +317,14 @@ impl Search<'_> {
         }
     }
 
-    /// The sum of `value` over the neighbours of a body.
-    fn sum_of_body(
+    /// The sums of `value` over the neighbours of a body.
+    fn sum_of_body<const N: usize>(
         &self,
         index: usize,
         near: &[Near],
-        value: impl Fn([usize; 2], f64) -> f64,
-    ) -> f64 {
-        let mut sum = 0.0;
+        value: impl Fn([usize; 2], [f64; 2]) -> [f64; N],
+    ) -> [f64; N] {
+        let mut sum = [0.0; N];
         for &Near { block: number, image } in near {
             let start = number as usize * LANES;
             // A body does not act on itself.
@@ -332,8 +332,8 @@ impl Search<'_> {
                 let x = (self.x[other] - self.x[index]) + image[0];
                 let y = (self.y[other] - self.y[index]) + image[1];
                 if x * x + y * y < self.square {
-                    let (x, y) = (f64::from(x), f64::from(y));
-                    sum += value([index, other], (x * x + y * y).sqrt());
+                    let own = value([index, other], [x, y].map(f64::from));
+                    sum = total_of([sum, own].into_iter());
                 }
             }
         }

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
 use super::record::{record, refers_to_nothing};
-use super::{Force, ForceInput, Partners, Scratch, check_number};
+use super::{Force, ForceInput, Partners, Scratch, Virial, check_number, product};
 use crate::particles::{FARTHEST, MAX_KINDS};
 use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::{Error, Result, counted};
@@ -148,6 +148,24 @@ impl PairTable {
     }
 }
 
+impl PairTable {
+    /// The force on a particle of kind a by one of kind b divided by their distance, positive if it is repulsive;
+    /// `velocity` is that of the second relative to the first.
+    fn force_over_distance(&self, a: usize, b: usize, offset: [f64; 2], velocity: [f64; 2]) -> f64 {
+        let square = offset[0] * offset[0] + offset[1] * offset[1];
+        let distance = square.max(f64::from(MIN_SQUARE)).sqrt();
+        let cutoff = f64::from(self.cutoff);
+        let along = distance / cutoff * (self.points - 1) as f64;
+        let segment = (along as usize).min(self.points - 2);
+        let line = self.line(a, b);
+        let [low, high] = [line[segment], line[segment + 1]].map(f64::from);
+        let force = low + (high - low) * (along - segment as f64);
+        let share = (1.0 - distance / cutoff).max(0.0);
+        let rate = (offset[0] * velocity[0] + offset[1] * velocity[1]) / distance;
+        (force - f64::from(self.damping) * share * share * rate) / distance
+    }
+}
+
 /// Refuses a number of kinds that no table has; `argument` is the array that has it.
 pub(super) fn check_kind_count(argument: &'static str, kinds: usize) -> Result<()> {
     if (1..=MAX_KINDS).contains(&kinds) {
@@ -261,11 +279,36 @@ impl Force for PairForce {
         neighbors.fill(1, |row| f32::from(bodies.rows[row] < bodies.own_rows))?;
         let [kinds, weights, ..] = neighbors.columns();
         // Every pair is summed twice.
-        let sum = neighbors.sum_of_pairs(bodies, table.cutoff, |indices, distance| {
+        let [sum] = neighbors.sum_of_pairs(bodies, table.cutoff, |indices, [x, y]| {
             let [a, b] = indices.map(|index| kinds[index] as usize);
-            f64::from(weights[indices[0]]) * table.potential(a, b, distance)
+            let distance = (x * x + y * y).sqrt();
+            [f64::from(weights[indices[0]]) * table.potential(a, b, distance)]
         })?;
         Ok(0.5 * sum)
+    }
+
+    /// Half of that of each pair for each of its bodies, so it is also defined if forces are not equal and opposite.
+    fn virial(&self, bodies: &ForceInput<'_>) -> Result<Virial> {
+        let table = &*self.table;
+        let mut neighbors = neighbors::Scratch::default();
+        neighbors.sort(bodies)?;
+        neighbors.fill(0, |row| f32::from(bodies.kind(row)))?;
+        neighbors.fill(1, |row| bodies.velocities[row][0])?;
+        neighbors.fill(2, |row| bodies.velocities[row][1])?;
+        let [kinds, columns @ ..] = neighbors.columns();
+        let [xx, xy, yx, yy] =
+            neighbors.sum_of_pairs(bodies, table.cutoff, |indices, offset| {
+                let [a, b] = indices.map(|index| kinds[index] as usize);
+                let speed = |k: usize| {
+                    f64::from(columns[k][indices[1]]) - f64::from(columns[k][indices[0]])
+                };
+                let factor = table.force_over_distance(a, b, offset, [speed(0), speed(1)]);
+                // The force on the first points away from the second if it is positive, and so does the offset to the
+                // first.
+                let [[xx, xy], [yx, yy]] = product(offset, offset.map(|along| factor * along));
+                [xx, xy, yx, yy]
+            })?;
+        Ok([[xx, xy], [yx, yy]].map(|row| row.map(|sum| 0.5 * sum)))
     }
 
     fn partners(&self) -> Partners {

@@ -417,6 +417,22 @@ impl Walls {
         });
     }
 
+    /// Calls `act` with the distance of a point from each solid wall that is nearer than `margin`, and from a few
+    /// others.
+    pub fn each_distance(
+        &self,
+        point: Vector,
+        margin: f64,
+        stack: &mut Vec<u32>,
+        mut act: impl FnMut(f64),
+    ) {
+        self.each_near([point; 2], margin, stack, |wall, offset| {
+            if !self.at(wall).is_sensor {
+                act(self.line(wall).distance(less(point, offset)));
+            }
+        });
+    }
+
     /// Calls `act` for the walls in a box that is on the torus.
     fn each_in(
         &self,

@@ -165,7 +165,7 @@ impl Near {
 
 impl Walls {
     /// The wall at an index of the tree.
-    fn at(&self, index: u32) -> &Wall {
+    pub(super) fn at(&self, index: u32) -> &Wall {
         &self.all[self.image_at(index).wall as usize]
     }
 

@@ -1,4 +1,4 @@
-//! Walls that no disc feels. They tell which discs touch them, also on the way through within one step.
+//! Walls that are sensors: they stop no disc. Which discs touch them, also within a step.
 
 use super::torus::less;
 use super::{Around, Part, Walls, number_of};

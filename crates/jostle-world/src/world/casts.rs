@@ -1,7 +1,7 @@
 //! What rays and moving shapes hit of the walls and of the container.
 //!
-//! Walls are line segments in a tree, as in a space. The container is solid outside: one thing, of which a ray hits the
-//! side at which it leaves. Where, is computed in float64.
+//! Walls are line segments in a tree, as in a space. The container is solid outside: a ray hits the
+//! side at which it leaves. The place of that hit is computed in float64.
 
 use super::World;
 use super::settings::WorldSettings;

@@ -126,6 +126,7 @@ impl World {
         let len = self.len();
         self.bodies.awake.particles.reserve(&copy, len)?;
         let indices = wake_edited(self, rows, &before, &copy)?;
+        forget_turns(&mut self.bodies.awake, &indices, |nth| copy.positions[nth]);
         self.bodies.forget_tree();
         let len = self.bodies.awake.rows.len();
         for (nth, index) in indices.into_iter().enumerate() {
@@ -180,7 +181,7 @@ impl Removal {
     }
 }
 
-fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
+pub(crate) fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
     changes.validate(rows.len())?;
     let exact = exact_values(world, rows, changes)?;
     if let Some(radii) = &changes.radii {
@@ -202,6 +203,9 @@ fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
     } else {
         world.bodies.indices_of(rows)?
     };
+    if let Some(positions) = &changes.positions {
+        forget_turns(&mut world.bodies.awake, &indices, |nth| positions.at(nth));
+    }
     // As above, sleeping particles are left out.
     if changes.is_of_shapes() {
         world.bodies.forget_tree();
@@ -209,6 +213,18 @@ fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Result<()> {
     let awake = &mut world.bodies.awake.particles;
     [changes, &exact].into_iter().for_each(|new| new.write(awake, &indices));
     Ok(())
+}
+
+/// A particle that gets another position begins a new path. Those that sleep do not change.
+fn forget_turns(awake: &mut Discs, indices: &[u32], new: impl Fn(usize) -> [f32; 2]) {
+    let Discs { particles, persistent, .. } = awake;
+    for (nth, &index) in indices.iter().enumerate() {
+        if let Some(turns) = persistent.turns.get_mut(index as usize)
+            && particles.positions[index as usize] != new(nth)
+        {
+            *turns = [0; 2];
+        }
+    }
 }
 
 /// What the changes leave out: of a position or an angle that is the present one in float32, what rounding removed.

@@ -123,15 +123,8 @@ impl External {
         if let Some(index) =
             rows.iter().position(|&row| check_vectors("forces", &[sums[row as usize]]).is_err())
         {
-            let [x, y] = newtons[index];
-            let id = halo.id_among_all(&bodies.ids, rows[index]);
-            let rule = format!("the acceleration of particle {id} would be too large");
-            let value = format!("({x}, {y})");
-            // In a distributed world `newtons` is not the argument of the caller.
-            return Err(match halo.is_whole() {
-                true => Error::at("forces", index, value, &rule),
-                false => Error::of("forces", value, &rule),
-            });
+            let what = "acceleration";
+            return Err(too_large(bodies, halo, "forces", (index, newtons), rows[index], what));
         }
         Ok(sums)
     }
@@ -169,8 +162,28 @@ impl World {
     }
 }
 
+/// The error for a vector of an argument by which a particle would leave the range of numbers.
+pub(crate) fn too_large(
+    bodies: &Bodies,
+    halo: &dyn Distribution,
+    argument: &'static str,
+    (index, vectors): (usize, &[[f32; 2]]),
+    row: u32,
+    what: &str,
+) -> Error {
+    let [x, y] = vectors[index];
+    let id = halo.id_among_all(&bodies.ids, row);
+    let rule = format!("the {what} of particle {id} would be too large");
+    let value = format!("({x}, {y})");
+    // In a distributed world the vectors are not the argument of the caller.
+    match halo.is_whole() {
+        true => Error::at(argument, index, value, &rule),
+        false => Error::of(argument, value, &rule),
+    }
+}
+
 /// Tells the other processes of an error, so that their next call returns one, too.
-fn tell_error<V>(halo: &dyn Distribution, checked: Result<V>) -> Result<V> {
+pub(crate) fn tell_error<V>(halo: &dyn Distribution, checked: Result<V>) -> Result<V> {
     if checked.is_err() {
         halo.fail();
     }

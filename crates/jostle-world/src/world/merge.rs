@@ -12,6 +12,7 @@ use super::edits::{Removal, take_out};
 use super::record::record_pairs;
 use super::search::overlapping;
 use super::settings::{OnTouch, WorldSettings};
+use super::turns::turns_between;
 use super::{Stats, World};
 use crate::container::Container;
 use crate::motion::Motions;
@@ -163,6 +164,7 @@ pub(crate) fn merge_touching(world: &mut World, touching: &[[u32; 2]]) -> Result
         let Discs { particles, rows, .. } = &world.bodies.awake;
         world.external.merge(particles, rows, &indices);
         let len = world.bodies.awake.rows.len();
+        count_turns_of_merged(world, &indices, one.positions[0])?;
         world.bodies.awake.particles.reserve(&one, len)?;
         world.bodies.awake.particles.put(len, indices[0], &one, 0);
         let rows = indices.iter().map(|&index| world.bodies.awake.rows[index]);
@@ -177,6 +179,23 @@ pub(crate) fn merge_touching(world: &mut World, touching: &[[u32; 2]]) -> Result
         close_up(world, &heirs)?;
     }
     Ok(any)
+}
+
+/// The merged particle at the first of `indices` continues the path of that whose row it keeps: it is at its nearest
+/// image.
+fn count_turns_of_merged(world: &mut World, indices: &[usize], position: [f32; 2]) -> Result<()> {
+    let period = world.settings.container.period();
+    if period.is_none() {
+        return Ok(());
+    }
+    let Discs { particles, rows, persistent } = &mut world.bodies.awake;
+    let turns = &mut persistent.turns;
+    memory::resize_default(turns, rows.len())?;
+    let Some(&kept) = indices.iter().min_by_key(|&&index| rows[index]) else { return Ok(()) };
+    let [from, to] = [particles.positions[kept], position].map(|at| at.map(f64::from));
+    let more = turns_between(from, to, &period);
+    turns[indices[0]] = [0, 1].map(|k| turns[kept][k].saturating_add(more[k]));
+    Ok(())
 }
 
 /// Removes the rows that became others.

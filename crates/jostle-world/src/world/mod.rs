@@ -44,6 +44,10 @@ pub(crate) mod touches;
 pub(crate) mod undo;
 pub(crate) mod reorder;
 pub(crate) mod store;
+pub(crate) mod turns;
+mod free_positions;
+mod net_forces;
+mod impulses;
 pub(crate) mod sums;
 pub(crate) mod stage_hash;
 pub(crate) mod substeps;
@@ -70,6 +74,7 @@ use distribution::{Agreement, Distribution};
 use drive::check_motors;
 use external::External;
 use force_step::ForceScratch;
+pub use free_positions::NewDiscs;
 use islands::Islands;
 use islands::wake::wake_all;
 use jostle_base::error::Result;
@@ -280,6 +285,9 @@ impl World {
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             wake_all(self)?;
             self.bodies.awake.persistent.recent_motions.clear();
+        }
+        if settings.container.period() != self.settings.container.period() {
+            self.bodies.awake.persistent.turns.clear();
         }
         if let Some(walls) = new_walls {
             self.boundaries.walls = walls;

@@ -3,12 +3,14 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::bodies::discs::{Discs, Persistent};
 use super::plan::Plan;
+use super::turns::count_turns;
 use super::{OnTouch, World};
 use crate::motion::{self, Motion, Motions, Spins};
 use crate::particles::{FARTHEST, Particles, wrap_angle};
 use jostle_base::error::{Error, Result};
-use jostle_base::parallel;
+use jostle_base::{memory, parallel};
 use jostle_index::period::Period;
 
 /// Particles that one thread stores at a time.
@@ -43,6 +45,14 @@ pub(crate) fn store_motions(world: &mut World, threads: Option<usize>) -> Result
     let are_finite = boundaries.pushes.iter().all(|impulse| impulse.pushes[0].is_finite());
     let motions = (&scratch.motions, &scratch.spins);
     let period = settings.container.period();
+    if !period.is_none() {
+        let Discs { persistent: Persistent { turns, .. }, rows, .. } = &mut bodies.awake;
+        memory::resize_default(turns, rows.len())?;
+        let motions = &scratch.motions;
+        let position = |index: usize| motions.position(index as u32);
+        let residual = |index: usize| motions.residual(index as u32);
+        count_turns(turns, (position, residual), &period, threads);
+    }
     if are_finite & write(&mut bodies.awake.particles, motions, &period, threads) {
         Ok(())
     } else {

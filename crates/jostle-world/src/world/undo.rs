@@ -2,6 +2,7 @@
 
 use super::bodies::discs::Discs;
 use super::bodies::ids::Ids;
+use super::turns::count_turns;
 use super::{Stats, World};
 use crate::contacts::Contacts;
 use crate::forces::Influences;
@@ -9,6 +10,7 @@ use crate::motion;
 use crate::particles::Particles;
 use jostle_base::error::Result;
 use jostle_base::memory;
+use jostle_index::period::{Period, Turns};
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.
@@ -18,12 +20,20 @@ pub(crate) struct Before {
     pub(crate) is_reordered: bool,
     pub(crate) discs: Discs,
     pub(crate) contacts: Contacts,
-    /// Positions and residuals as they were, if some were outside the torus.
-    unwrapped: Option<[Vec<[f32; 2]>; 2]>,
+    /// What [`wrap_positions`] changes, if some positions were outside of the first period.
+    unwrapped: Option<Unwrapped>,
     influences: Influences,
     stats: Stats,
     /// Those before the first merger of the step.
     pub(crate) ids: Option<Ids>,
+}
+
+/// The columns that a wrap into the first period changes, as they were.
+#[derive(Debug)]
+struct Unwrapped {
+    positions: Vec<[f32; 2]>,
+    residuals: Vec<[f32; 2]>,
+    turns: Vec<Turns>,
 }
 
 /// Begins an attempt at a step, which [`undo`] takes back. If there is no memory, nothing changes.
@@ -39,25 +49,35 @@ pub(crate) fn begin_attempt(world: &mut World) -> Result<()> {
     before.influences.copy_from(influences)?;
     external.begin_attempt()?;
     record.begin_attempt()?;
-    // Callers may set positions outside of the torus. Undo must restore their bits.
-    let period = settings.container.period();
-    let Particles { positions, residuals, .. } = &mut bodies.awake.particles;
-    let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
-    let is_any_outside = !period.is_none() && positions.iter().any(outside);
-    before.unwrapped = match is_any_outside {
-        true => Some([memory::copy(positions)?, memory::copy(residuals)?]),
-        false => None,
-    };
     boundaries.begin_attempt()?;
     before.is_reordered = false;
     before.stats = *stats;
     before.ids = None;
-    if is_any_outside {
-        for (position, residual) in positions.iter_mut().zip(residuals) {
-            (*position, *residual) = motion::wrapped(*position, *residual, &period);
-        }
-    }
+    before.unwrapped = wrap_positions(&mut bodies.awake, &settings.container.period())?;
     Ok(())
+}
+
+/// Wraps positions into the first period, and returns the columns as they were if any changes: callers may set
+/// positions outside of it, and undo must restore their bits.
+fn wrap_positions(discs: &mut Discs, period: &Period<f32>) -> Result<Option<Unwrapped>> {
+    let Discs { particles: Particles { positions, residuals, .. }, persistent, .. } = discs;
+    let turns = &mut persistent.turns;
+    let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
+    if period.is_none() || !positions.iter().any(outside) {
+        return Ok(None);
+    }
+    memory::resize_default(turns, positions.len())?;
+    let before = Unwrapped {
+        positions: memory::copy(positions)?,
+        residuals: memory::copy(residuals)?,
+        turns: memory::copy(turns)?,
+    };
+    let places = (|index: usize| positions[index], |index: usize| residuals[index]);
+    count_turns(turns, places, period, Some(1));
+    for (position, residual) in positions.iter_mut().zip(residuals) {
+        (*position, *residual) = motion::wrapped(*position, *residual, period);
+    }
+    Ok(Some(before))
 }
 
 /// Restores the state before the attempt, and allocates nothing. It does not undo:
@@ -87,9 +107,10 @@ pub(crate) fn undo(world: &mut World) {
         bodies.forget_indices();
     }
     // After the exchange of columns, because these positions are in the old order.
-    if let Some([positions, residuals]) = before.unwrapped.take() {
-        let Particles { positions: wrapped, residuals: rest, .. } = &mut bodies.awake.particles;
-        (*wrapped, *rest) = (positions, residuals);
+    if let Some(Unwrapped { positions, residuals, turns }) = before.unwrapped.take() {
+        let awake = &mut bodies.awake;
+        (awake.particles.positions, awake.particles.residuals) = (positions, residuals);
+        awake.persistent.turns = turns;
     }
     std::mem::swap(influences, &mut before.influences);
     external.undo();

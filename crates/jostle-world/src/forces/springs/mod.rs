@@ -131,6 +131,34 @@ impl Springs {
         Ok(all.iter().sum())
     }
 
+    /// The offset from the first end of each spring to its second, and the force on the second. Positions and
+    /// velocities are those of all rows.
+    pub fn pulls<'a>(
+        &'a self,
+        positions: &'a [[f32; 2]],
+        velocities: &'a [[f32; 2]],
+        container: &'a Container,
+    ) -> impl Iterator<Item = ([usize; 2], [f64; 2], [f64; 2])> + 'a {
+        self.0.iter().map(|spring| {
+            let rows = spring.pair.map(|row| row as usize);
+            let [a, b] = rows.map(|row| Node {
+                position: positions[row].map(f64::from),
+                velocity: velocities[row].map(f64::from),
+                ..Node::default()
+            });
+            let link = Link {
+                body: 0,
+                nodes: [0; 2],
+                length: f64::from(spring.length),
+                stiffness: f64::from(spring.stiffness),
+                damping: f64::from(spring.damping),
+            };
+            let (along, length) = link.direction(&a, &b, container);
+            let force = link.force(&a, &b, container, [1.0; 2]).map(|of| -of);
+            (rows, along.map(|v| v * length), force)
+        })
+    }
+
     /// Removes springs whose stretch exceeds their maximum.
     pub fn break_stretched(&mut self, bodies: &ForceInput<'_>) {
         // A sleeping end has no index, and its spring does not stretch.

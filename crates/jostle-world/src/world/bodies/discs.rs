@@ -2,6 +2,7 @@
 
 use crate::particles::Particles;
 use jostle_base::{plain, table};
+use jostle_index::period::Turns;
 
 table! {
     /// All columns by indices: those that a step reorders, and that sleeping particles keep.
@@ -22,6 +23,8 @@ table! {
         /// Sleeping: how each particle moved in the last quarters of a second; empty if nothing may fall
         /// asleep.
         pub(crate) recent_motions: sparse RecentMotion,
+        /// How many periods each particle has travelled along each axis since its position was set.
+        pub(crate) turns: sparse Turns,
     }
 }
 

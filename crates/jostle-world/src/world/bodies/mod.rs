@@ -158,13 +158,21 @@ impl Bodies {
     }
 
     fn column<V: Copy + Default>(&self, value: impl Fn(&Particles, usize) -> V) -> Result<Vec<V>> {
+        self.disc_column(|discs, at| value(&discs.particles, at))
+    }
+
+    /// A column in the order of adding, of values at the indices of the particles that are awake and of the others.
+    pub(crate) fn disc_column<V: Copy + Default>(
+        &self,
+        value: impl Fn(&Discs, usize) -> V,
+    ) -> Result<Vec<V>> {
         let mut column = memory::filled(self.len(), V::default())?;
         for (at, &row) in self.awake.rows.iter().enumerate() {
-            column[row as usize] = value(&self.awake.particles, at);
+            column[row as usize] = value(&self.awake, at);
         }
         let sleepers = &self.asleep.sleepers().discs;
         for at in self.asleep.indices() {
-            column[sleepers.rows[at] as usize] = value(&sleepers.particles, at);
+            column[sleepers.rows[at] as usize] = value(sleepers, at);
         }
         Ok(column)
     }

@@ -56,7 +56,7 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
         dt,
         plan.threads,
     )?;
-    // A grab may hold a particle for the moment only.
+    // A grabbed particle may be released or moved in the next frame, so its rest does not count.
     for row in influences.grabbed() {
         let index = scratch.forces.indices[row as usize];
         if let Some(recent) = discs.persistent.recent_motions.get_mut(index as usize) {
