@@ -5527,7 +5527,7 @@ class Grab:
     def __new__(
         cls,
         id: SupportsIndex,
-        point: _Point,
+        point: _Point | _Array,
         *,
         rate: _Number,
         max_force: _Number = math.inf,

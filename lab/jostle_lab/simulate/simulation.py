@@ -349,8 +349,8 @@ class Simulation:
         share = self._columns.usual_mass(self.world) / self.world.get(tag).masses
         rate = GRAB_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
         # A critically damped spring is 2 / rate seconds behind a moving point.
-        ahead = np.array(point) + 2 / rate * np.array(velocity)
-        self._attractions.hold(jostle.Grab(tag, ahead, rate=rate))
+        x, y = (place + 2 / rate * speed for place, speed in zip(point, velocity, strict=True))
+        self._attractions.hold(jostle.Grab(tag, (x, y), rate=rate))
 
     def release(self) -> None:
         """Let go what is held."""

@@ -169,7 +169,7 @@ def _check(
     found = np.isin(ids, core._own_ids()[0])
     comm.Allreduce(MPI.IN_PLACE, found, op=MPI.LOR)
     different, counts = np.unique(ids, return_counts=True)
-    error = None
+    error: ValueError | None = None
     if not found.all():
         error = IdError(f"ids contain {ids[~found][0]}; no particle has this id")
     elif (counts > 1).any() and not may_repeat:
