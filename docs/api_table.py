@@ -226,7 +226,8 @@ def annotation(text: Any) -> str:
     text = text if isinstance(text, str) else getattr(text, "__name__", str(text))
     for pattern, said in SAID:
         text = re.sub(pattern, said, text)
-    return text.strip('"')
+    # A forward reference has quotes around it, and a choice of words has them in it.
+    return text.strip('"') if text.count('"') == 2 else text
 
 
 SAID = (

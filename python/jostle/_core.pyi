@@ -3632,7 +3632,7 @@ class World(_ShapeQueries):
 
         See Also
         --------
-        stats : Sub-steps of the last step, among others.
+        last_step : Has the number of sub-steps of the last step.
         step : Advances the simulation.
         """
     @substeps.setter

@@ -131,3 +131,12 @@ def test_a_number_in_place_of_a_vector_says_what_to_write() -> None:
         ValueError, match=r"^gravity is 9.8; it must be two numbers, such as \(0, 9.8\)$"
     ):
         jostle.World(gravity=9.8)
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [("mass", "masses"), ("kind", "kinds"), ("category", "categories"), ("restit", "restitution")],
+)
+def test_the_beginning_of_a_word_means_this_word(word: str, meant: str) -> None:
+    with pytest.raises(TypeError, match=f"'{word}'; did you mean '{meant}'\\?$"):
+        jostle.World([(0, 0)], 1.0, **{word: 1})

@@ -146,15 +146,18 @@ fn names_in(signature: &str) -> impl Iterator<Item = &str> {
 
 /// The error for a keyword that a call does not know.
 fn unexpected(call: &str, name: &str, known: &[&str]) -> PyErr {
-    let closest = known.iter().min_by_key(|known| distance(known, name));
+    // A singular, or another shortened name, is nearer than any other word: `mass` means masses, not masks.
+    let measure = |known: &&&str| (!known.starts_with(name), distance(known, name));
+    let closest = known.iter().min_by_key(measure);
     let closest = closest.filter(|known| is_near(known, name));
     let hint = closest.map_or_else(String::new, |known| format!("; did you mean '{known}'?"));
     PyTypeError::new_err(format!("{call} got an unexpected keyword argument '{name}'{hint}"))
 }
 
-/// Whether one word may be a misspelling of the other.
+/// Whether one word may be a misspelling or the beginning of the other.
 fn is_near(known: &str, name: &str) -> bool {
-    distance(known, name) <= 1 + name.chars().count() / 4
+    let letters = name.chars().count();
+    letters > 2 && known.starts_with(name) || distance(known, name) <= 1 + letters / 4
 }
 
 /// The number of letters that must be added, removed or replaced to turn one word into the other.

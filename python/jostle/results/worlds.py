@@ -222,14 +222,16 @@ class LastCall(Result):
         Sum of the outer products r J over the contacts of two particles, in units of mass times
         length squared per second: r leads from one centre to the other at the impact, and J is the
         impulse on the other, friction and resting contacts included. Half its trace, divided by
-        area and duration, is the part of the pressure that collisions cause.
+        area and duration, is the part of the pressure that collisions cause. In a container the
+        area is that of the centres, which stay a radius away from each side.
     wall_impulses : ndarray of float64, shape (m, 2)
         Sum of the impulses of each wall on particles, in the rows of `World.walls`;
         ``world.walls.rows(ids)`` are those of ids. Walls that were removed since have none.
     side_impulses : ndarray of float64, shape (5, 2)
         Of the sides of the container in the order of `Side`, min_x, max_x, min_y, max_y and rim:
         the sum of the impulses along the normal into the container, at least 0, and that of
-        friction along the tangent (-normal_y, normal_x). Sides that it does not have are 0.
+        friction along the tangent (-normal_y, normal_x). Sides that it does not have are 0. The row
+        of a side is ``-2 - side``: a `Side` is negative, so as an index it counts from the end.
 
     See Also
     --------

@@ -112,7 +112,7 @@ impl PyWorld {
     ///
     /// See Also
     /// --------
-    /// stats : Sub-steps of the last step, among others.
+    /// last_step : Has the number of sub-steps of the last step.
     /// step : Advances the simulation.
     #[getter]
     fn substeps(&self, py: Python<'_>) -> PyResult<Option<usize>> {
