@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oracle_queries import to_circle
@@ -75,7 +75,9 @@ def random_world(rng: np.random.Generator, place: str) -> jostle.World:
     for _ in range(3 if "period" in place else 20):
         if not world.asleep.all():
             world.step(1 / 60, steps=60)
-    # Nearly all sleep now. Without sides some slide forever, and in a box a few may still roll.
+    # Without sides some slide forever. In a box a few may still roll: such worlds are drawn again,
+    # and the test fails if they are many.
+    assume(world.asleep.all() or "period" in place)
     if place != "sleepers":
         woken = rng.permutation(len(world))[: len(world) // 4]
         world.set(world.ids[woken], velocities=rng.normal(0, 2, 2))
