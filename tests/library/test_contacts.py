@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oracle import DTYPES
+from results import chosen
 
 import jostle
 
@@ -130,14 +131,6 @@ def test_a_space_and_two_trees_have_points_and_categories_too() -> None:
         np.testing.assert_array_equal(getattr(found, name), getattr(within, name)[rows])
 
 
-def chosen(pair: Any, categories: Any, a: int, b: int) -> Any:
-    """Return a pair as `between` should, or None."""
-    (i, j), (own, other) = pair, categories
-    if own & a and other & b:
-        return (i, j)
-    return (j, i) if other & a and own & b else None
-
-
 @given(seed=st.integers(0, 5), a=st.integers(0, 7), b=st.integers(0, 7))
 def test_contacts_between_categories(seed: int, a: int, b: int) -> None:
     whole = jostle.Quadtree(**scene(seed, n=60)).contacts()
@@ -151,9 +144,9 @@ def test_contacts_between_categories(seed: int, a: int, b: int) -> None:
         )
         if (found := chosen(pair, both, a, b))
     ]
-    assert part.pairs.tolist() == [list(found) for _, found in rows]
+    assert part.pairs.tolist() == [found for _, found in rows]
     kept = [row for row, _ in rows]
-    turned = np.array([list(found) != whole.pairs[row].tolist() for row, found in rows], bool)
+    turned = np.array([found != whole.pairs[row].tolist() for row, found in rows], bool)
     signs = np.where(turned, -1.0, 1.0)[:, None]
     np.testing.assert_array_equal(part.normals, whole.normals[kept] * signs)
     for name in ("depths", "points"):
@@ -192,7 +185,7 @@ def test_events_between_categories(seed: int, a: int, b: int) -> None:
         pairs = getattr(events, name).tolist()
         assert len(pairs) > 10
         every = (chosen(pair, [categories[id] for id in pair], a, b) for pair in pairs)
-        assert getattr(part, name).tolist() == [list(pair) for pair in every if pair], name
+        assert getattr(part, name).tolist() == [pair for pair in every if pair], name
     assert repr(part) == f"<jostle.Events: {len(part.entered)} entered, {len(part.exited)} exited>"
     twice = part.between(b, a).between(a, b)
     for name in NAMES:

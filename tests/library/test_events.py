@@ -31,7 +31,7 @@ def test_events_need_to_be_asked_for() -> None:
     with pytest.raises(RuntimeError, match="track_events=True"):
         _ = world.events
     world.track_events = True
-    assert all(len(pairs) == 0 for pairs in fields(world.events))
+    assert all(len(column) == 0 for column in fields(world.events))
     world.step(STEP)
     assert as_set(world.events.entered) == {(0, 1)}
     assert jostle.World.restore(world.snapshot()).events.entered.tolist() == [[0, 1]]
@@ -70,7 +70,8 @@ def test_a_sensor_reports_and_pushes_nothing() -> None:
     seen: list[str] = []
     for _ in range(200):
         world.step(STEP)
-        entered, _, left = (pairs[pairs[:, 1] == 3] for pairs in fields(world.events))
+        events = world.events
+        entered, left = (pairs[pairs[:, 1] == 3] for pairs in (events.entered, events.exited))
         seen += ["entered"] * len(entered) + ["left"] * len(left)
         contacts = world.last_step.contacts
         if len(contacts.pairs):

@@ -14,17 +14,26 @@ import jostle.mpi
 def test_events() -> None:
     """All ranks together have the events of one process, also of pairs that move to other ranks."""
     kinds = np.arange(400) % 5
-    options: dict[str, Any] = {"track_events": True, "container": "torus"}
+    categories = 1 + np.arange(400) % 6
+    options: dict[str, Any] = {"track_events": True, "container": "torus", "categories": categories}
     still = {"movable": kinds > 1, "sensors": kinds < 2}
     for name, world, steps in (
         ("gas", gas(400, cover=0.6, **options), 3),
         ("sensors", gas(400, **still, **options), 4),
         ("ignore", gas(400, on_touch="ignore", **options), 2),
-        ("rest", gas(40, track_events=True, **REST), 1),
+        ("rest", gas(40, track_events=True, categories=categories[:40], **REST), 1),
     ):
         ours = scattered(world, unevenly, every=3)
         seen = 0
-        for _ in range(8):
+        for call in range(8):
+            if call == 5:
+                # Events have the new categories, unless a pair has touched only before.
+                changed, new = world.ids[::3], np.arange(len(world))[::3] % 5 + 8
+                world.set(changed, categories=new)
+                ours.set(of_rank(changed), categories=of_rank(new))
+                gone = world.ids[1::40]
+                world.remove(gone)
+                ours.remove(of_rank(gone))
             step_all((world, ours), 1 / 60, steps)
             seen += check_events(name, ours, world)
         assert seen > 0, name
@@ -41,12 +50,13 @@ def test_events() -> None:
 def fenced(**options: Any) -> jostle.World:
     """A gas with walls, of which every second one is a sensor, some of which move."""
     draw = np.random.default_rng(3)
-    world = gas(300, cover=0.4, track_events=True, **options)
+    world = gas(300, cover=0.4, track_events=True, categories=1 + np.arange(300) % 4, **options)
     (left, bottom), (right, top) = world.positions.min(axis=0), world.positions.max(axis=0)
     starts = draw.uniform((left, bottom), (right, top), (24, 2))
     segments = np.stack([starts, starts + draw.normal(0, 6, (24, 2))], axis=1)
     velocities = np.where(np.arange(24)[:, None] % 4 > 1, (3.0, 1.0), (0.0, 0.0))
-    world.walls.add(segments, velocities=velocities, sensors=np.arange(24) % 2 == 0)
+    sensors, categories = np.arange(24) % 2 == 0, 1 + np.arange(24) % 3
+    world.walls.add(segments, velocities=velocities, sensors=sensors, categories=categories)
     return world
 
 
@@ -95,11 +105,12 @@ def check_merged(name: str, ours: jostle.mpi.World, world: jostle.World) -> None
 def test_merging(folder: Path) -> None:
     """Particles of different ranks that touch merge."""
     rows = np.arange(400)
+    bits = 1 << rows % 9
     table = np.random.default_rng(4).normal(0, 60, (3, 3, 12))
     rolling = {"friction": 0.3, "angular_velocities": 2.0, "restitution": 0.5 + rows % 3 * 0.2}
     walls = jostle.polyline([(0, 30), (25, 36), (50, 20)])
     options: dict[str, dict[str, Any]] = {
-        "box": {"gravity": (0.0, 30.0), "walls": walls, "track_events": True},
+        "box": {"gravity": (0.0, 30.0), "walls": walls, "track_events": True, "categories": bits},
         "plane": {"container": None, "masses": np.where(rows % 7, 1.0, 3e29)},
         "torus": {"container": "torus", "track_events": True, **rolling},
         "forces": {"forces": [jostle.PairForce(table, 6.0)], "kinds": rows % 3, "substeps": 2},

@@ -37,7 +37,8 @@ def test_sleeping() -> None:
 def test_sleeping_beside_others() -> None:
     """Sleeping particles beside walls, and beside immovable particles."""
     walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
-    tracked = sleepers(walls=walls, track_events=True)
+    # Contacts of sleepers are with particles of other ranks, too, and have their categories.
+    tracked = sleepers(walls=walls, track_events=True, categories=1 + np.arange(42) % 5)
     assert sleeping_counts("walls", tracked, 8, unevenly)[-1] > 10
     # Kinematic particles keep others awake; static ones do not.
     movable = np.arange(42) % 5 > 0

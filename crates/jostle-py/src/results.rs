@@ -48,6 +48,7 @@ pub fn world_contacts(py: Python<'_>, all: Vec<Touch>) -> PyResult<Bound<'_, PyA
         column(py, listed(all.iter().map(|touch| touch.depth))?),
         column(py, listed(all.iter().map(|touch| touch.normal_impulse))?),
         column(py, listed(all.iter().map(|touch| touch.friction_impulse))?),
+        table(py, listed(all.iter().map(|touch| touch.categories))?)?,
     );
     CONTACTS.import(py, "jostle.results", "WorldContacts")?.call1(fields)
 }
@@ -67,6 +68,7 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
         column(py, listed(all.iter().map(|touch| touch.depth))?),
         column(py, listed(all.iter().map(|touch| touch.normal_impulse))?),
         column(py, listed(all.iter().map(|touch| touch.friction_impulse))?),
+        table(py, listed(all.iter().map(|touch| touch.categories))?)?,
     );
     CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
 }
@@ -194,7 +196,10 @@ pub fn shapes<'py, T: Element + Scalar>(
 
 /// `jostle.WorldEvents` or `jostle.WallEvents`.
 pub fn events<'py>(py: Python<'py>, class: &str, all: TouchEvents) -> PyResult<Bound<'py, PyAny>> {
-    let fields = (table(py, all.entered)?, table(py, all.stayed)?, table(py, all.left)?);
+    let TouchEvents { entered, stayed, left, categories: [of_entered, of_stayed, of_left] } = all;
+    let pairs = (table(py, entered)?, table(py, stayed)?, table(py, left)?);
+    let categories = (table(py, of_entered)?, table(py, of_stayed)?, table(py, of_left)?);
+    let fields = (pairs.0, pairs.1, pairs.2, categories.0, categories.1, categories.2);
     py.import("jostle.results")?.getattr(class)?.call1(fields)
 }
 

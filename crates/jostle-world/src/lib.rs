@@ -34,5 +34,5 @@ pub use surface::{Sides, Surface};
 pub use walls::Wall;
 pub use world::{
     Bodies, Casts, Collisions, NewDiscs, OnTouch, Stage, StateHash, Stats, Totals, Touch,
-    TouchEvents, WallTouch, World, WorldSettings,
+    TouchEvents, Touched, WallTouch, World, WorldSettings,
 };

@@ -137,7 +137,7 @@ fn follow(world: &mut World, before: &Pairs, steps: usize, seen: &mut Seen) -> P
         }
     }
     call(world, steps);
-    let TouchEvents { entered, stayed, left } = events(world);
+    let TouchEvents { entered, stayed, left, .. } = events(world);
     let [entered, stayed, left] = [entered, stayed, left].map(|pairs| set(&pairs));
     let now: Pairs = entered.difference(&left).chain(&stayed).copied().collect();
     if steps == 0 {
@@ -319,7 +319,7 @@ fn sleeping_pairs_stay_until_something_parts_them() {
     assert_eq!(touching.len(), 8);
     for _ in 0..60 {
         call(&mut world, 1);
-        let TouchEvents { entered, stayed, left } = events(&world);
+        let TouchEvents { entered, stayed, left, .. } = events(&world);
         assert!(entered.is_empty() && left.is_empty(), "{entered:?} {left:?}");
         assert_eq!(set(&stayed), touching);
     }
@@ -331,7 +331,7 @@ fn sleeping_pairs_stay_until_something_parts_them() {
         })
         .expect("valid");
     call(&mut world, 6);
-    let TouchEvents { entered, stayed, left } = events(&world);
+    let TouchEvents { entered, stayed, left, .. } = events(&world);
     assert_eq!((entered, left, stayed.len()), (vec![], vec![[4, 8]], 7));
     world.remove(&[0]).expect("it exists");
     call(&mut world, 0);
@@ -549,7 +549,7 @@ fn a_sensor_over_a_pile_lets_it_sleep_unless_it_moves() {
         let mut touching = Vec::new();
         for _ in 0..90 {
             call(&mut world, 1);
-            let TouchEvents { entered, stayed, left } = events(&world);
+            let TouchEvents { entered, stayed, left, .. } = events(&world);
             assert!(left.is_empty());
             touching = [entered, stayed].concat();
         }

@@ -2,36 +2,51 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .exchange import send
 
-_PAIR = np.dtype([("first", "<i8"), ("second", "<i8"), ("when", "u1")])
+_PAIR = np.dtype([("pair", "<i8", 2), ("categories", "<u4", 2), ("when", "u1")])
+
+#: When a pair touched.
+_BEFORE, _DURING, _AT_END = range(3)
 
 
-def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> dict[str, NDArray[np.int64]]:
-    """The events, each pair on one rank.
+def events_of(
+    comm: MPI.Intracomm, touched: list[tuple[NDArray[np.int64], NDArray[np.uint32]]]
+) -> dict[str, NDArray[Any]]:
+    """The fields of the events, each pair on one rank.
 
-    `touched` are the pairs that this rank has seen at the end of the call before, in this one, and
-    at its end. Other ranks may have seen the same pairs.
+    `touched` are the pairs with their categories that this rank has seen at the end of the call
+    before, in this one, and at its end. Other ranks may have seen the same pairs.
     """
-    rows = np.zeros(sum(map(len, touched)), _PAIR)
-    pairs = np.concatenate(touched)
-    rows["first"], rows["second"] = pairs[:, 0], pairs[:, 1]
-    rows["when"] = np.repeat(np.arange(len(touched)), list(map(len, touched)))
-    rows = send(comm, rows, rows["first"] % comm.size)
-    pairs, numbers = np.unique(
-        np.column_stack([rows["first"], rows["second"]]), axis=0, return_inverse=True
+    rows = np.zeros(sum(len(pairs) for pairs, _ in touched), _PAIR)
+    for name, columns in zip(("pair", "categories"), zip(*touched, strict=True), strict=True):
+        rows[name] = np.concatenate(columns)
+    rows["when"] = np.repeat(np.arange(len(touched)), [len(pairs) for pairs, _ in touched])
+    rows = send(comm, rows, rows["pair"][:, 0] % comm.size)
+    # The last row of each pair has the categories when it touched last: as in the core, the largest
+    # of those in the call.
+    in_call, (a, b) = rows["when"] != _BEFORE, rows["categories"].T
+    rows = rows[np.lexsort([b, a, in_call, *rows["pair"].T[::-1]])]
+    pairs, numbers, counts = np.unique(
+        rows["pair"], axis=0, return_inverse=True, return_counts=True
     )
+    categories = rows["categories"][np.cumsum(counts) - 1]
     before, during, at_end = (np.zeros(len(pairs), np.bool_) for _ in range(3))
-    for when, seen in enumerate((before, during, at_end)):
+    for when, seen in ((_BEFORE, before), (_DURING, during), (_AT_END, at_end)):
         seen[numbers.reshape(-1)[rows["when"] == when]] = True
-    return {
-        "entered": pairs[(during | at_end) & ~before],
-        "stayed": pairs[before & at_end],
-        "exited": pairs[(before | during) & ~at_end],
+    chosen = {
+        "entered": (during | at_end) & ~before,
+        "stayed": before & at_end,
+        "exited": (before | during) & ~at_end,
+    }
+    return {name: pairs[of] for name, of in chosen.items()} | {
+        f"{name}_categories": categories[of] for name, of in chosen.items()
     }
 
 

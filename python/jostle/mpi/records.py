@@ -27,6 +27,7 @@ TOUCH = np.dtype(
         ("id", "<i8"),
         ("other", "<i8"),
         ("island", "<i8"),
+        ("categories", "<u4", 2),
         ("rows", "<u4", 2),
         ("image", "<f4", 2),
         ("normal", "<f4", 2),

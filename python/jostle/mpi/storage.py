@@ -24,7 +24,7 @@ from .exchange import raise_together, send, together
 from .records import PAIRS, PARTS
 
 _MAGIC = b"jostle ranks\x1a\n\0\0"
-_VERSION = 4
+_VERSION = 5
 
 #: Ids of a chunk. Each rank has whole chunks, so that the file does not depend on the ranks.
 _CHUNK = 1 << 14

@@ -648,7 +648,9 @@ class World:
         pairs = np.sort(pairs, axis=1)
         is_own = owner < count
         normals = np.where(is_reversed[:, None], -found.normals, found.normals)
-        awake = found.to_dict() | {"pairs": pairs, "normals": normals}
+        turned = found.categories[:, ::-1]
+        categories = np.where(is_reversed[:, None], turned, found.categories)
+        awake = found.to_dict() | {"pairs": pairs, "normals": normals, "categories": categories}
         asleep = self._core._own_touches_asleep().to_dict()
         columns = {name: np.concatenate([awake[name][is_own], asleep[name]]) for name in awake}
         order = np.lexsort(columns["pairs"].T[::-1])
@@ -670,8 +672,7 @@ class World:
         The pairs are of ids, sorted; see `jostle.World.events`. After `load` no pair touches before
         the first step.
         """
-        pairs = self._events(at_walls=False)
-        return jostle.WorldEvents(**pairs)
+        return jostle.WorldEvents(**self._events(at_walls=False))
 
     @property
     @collective
@@ -681,14 +682,13 @@ class World:
         Each pair is on one rank; see `jostle.World.wall_events`. After `load` nothing touches
         before the first step.
         """
-        pairs = self._events(at_walls=True)
-        return jostle.WallEvents(**pairs)
+        return jostle.WallEvents(**self._events(at_walls=True))
 
-    def _events(self, *, at_walls: bool) -> dict[str, NDArray[np.int64]]:
+    def _events(self, *, at_walls: bool) -> dict[str, NDArray[Any]]:
         with together(self._comm):
             if not self._core.track_events:
                 raise RuntimeError("events are not tracked; make the world with track_events=True")
-        return events_of(self._comm, *self._core._own_touches(at_walls))
+        return events_of(self._comm, self._core._own_touches(at_walls))
 
     @property
     @collective

@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-import operator
 from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
 from jostle.results.base import Lists, Result
-
-
-def _bits(name: str, value: SupportsIndex) -> np.uint32:
-    """Return a set of 32 bits; a negative integer stands for its low bits."""
-    try:
-        bits = operator.index(value)
-        if isinstance(value, bool):
-            raise TypeError
-    except TypeError:
-        raise TypeError(f"{name} must be an integer, not {type(value).__name__}") from None
-    if not -(2**32) <= bits < 2**32:
-        raise ValueError(
-            f"{name} is {bits}; it must be a set of 32 bits: between 0 and 4294967295, "
-            "or a negative integer from -4294967296 as ~bits gives it"
-        )
-    return np.uint32(bits & 0xFFFFFFFF)
+from jostle.results.categories import Choice
 
 
 class Contacts(Result):
@@ -98,6 +82,7 @@ class Contacts(Result):
         See Also
         --------
         jostle.Events.between : The same for events.
+        jostle.WorldContacts.between : The same for particles.
 
         Examples
         --------
@@ -110,16 +95,14 @@ class Contacts(Result):
         >>> hits.pairs, hits.normals
         (array([[2, 1]]), array([[ 0., -1.]]))
         """
-        first, second = (_bits(name, value) for name, value in (("a", a), ("b", b)))
-        has_first, has_second = (self.categories & first) != 0, (self.categories & second) != 0
-        straight = has_first[:, 0] & has_second[:, 1]
-        turned = ~straight & has_first[:, 1] & has_second[:, 0]
-        kept = np.flatnonzero(straight | turned)
-        pairs, categories = self.pairs[kept], self.categories[kept]
-        normals, back = self.normals[kept], turned[kept]
-        pairs[back], categories[back] = pairs[back, ::-1], categories[back, ::-1]
-        normals[back] = 0 - normals[back]  # and not -0
-        return Contacts(pairs, normals, self.depths[kept], self.points[kept], categories)
+        chosen = Choice(self.categories, a, b)
+        return Contacts(
+            chosen.pairs(self.pairs),
+            chosen.normals(self.normals),
+            chosen.of(self.depths),
+            chosen.of(self.points),
+            chosen.pairs(self.categories),
+        )
 
 
 class IdLists(Result, Lists[NDArray[np.int64]]):

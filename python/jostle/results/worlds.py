@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import SupportsIndex
+
 import numpy as np
 from numpy.typing import NDArray
 
 from jostle.results.base import Result
+from jostle.results.categories import Choice
 
 
 class WorldContacts(Result):
@@ -25,6 +28,8 @@ class WorldContacts(Result):
         opposite sign.
     friction_impulses : ndarray of float32, shape (m,)
         Sum of the impulses of friction on j along the tangent (-normal_y, normal_x).
+    categories : ndarray of uint32, shape (m, 2)
+        The present categories of both particles, sets of bits.
 
     See Also
     --------
@@ -46,6 +51,7 @@ class WorldContacts(Result):
         "depths",
         "normal_impulses",
         "friction_impulses",
+        "categories",
     )
 
     pairs: NDArray[np.int64]
@@ -53,6 +59,59 @@ class WorldContacts(Result):
     depths: NDArray[np.float32]
     normal_impulses: NDArray[np.float32]
     friction_impulses: NDArray[np.float32]
+    categories: NDArray[np.uint32]
+
+    def between(self, a: SupportsIndex, b: SupportsIndex) -> WorldContacts:
+        """Return the contacts between particles of some categories and particles of others.
+
+        A contact is kept if one particle has a category in `a` and the other one has a category in
+        `b`. The particle in the first column of `pairs` then has one in `a`, and that in the second
+        has one in `b`; where this turns a pair, it turns the normal, too. The impulses stay as they
+        are: both the tangent and the particle on which they act are the other one. A pair that fits
+        in both orders is kept once, as it is.
+
+        Parameters
+        ----------
+        a, b : int
+            Categories, sets of 32 bits, which may be the same or have some in common.
+
+        Returns
+        -------
+        WorldContacts
+            The contacts that are kept, in the same order.
+
+        Raises
+        ------
+        TypeError
+            If `a` or `b` is no integer.
+        ValueError
+            If `a` or `b` has more than 32 bits.
+
+        See Also
+        --------
+        jostle.Contacts.between : The same for shapes.
+        WorldEvents.between : The same for events.
+
+        Examples
+        --------
+        >>> ROCK, SHOT = 2, 4
+        >>> world = jostle.World(
+        ...     [(0, 0), (3, 0)], 1.0, velocities=[(0, 0), (-1, 0)], categories=[ROCK, SHOT]
+        ... )
+        >>> world.step(2.0)
+        >>> hits = world.last_step.contacts.between(SHOT, ROCK)
+        >>> hits.pairs, hits.normals  # from the shot to the rock
+        (array([[1, 0]]), array([[-1.,  0.]], dtype=float32))
+        """
+        chosen = Choice(self.categories, a, b)
+        return WorldContacts(
+            chosen.pairs(self.pairs),
+            chosen.normals(self.normals),
+            chosen.of(self.depths),
+            chosen.of(self.normal_impulses),
+            chosen.of(self.friction_impulses),
+            chosen.pairs(self.categories),
+        )
 
 
 class WallContacts(Result):
@@ -77,6 +136,9 @@ class WallContacts(Result):
     friction_impulses : ndarray of float32, shape (m,)
         Sum of the impulses of friction on the particle along the tangent
         (-normal_y, normal_x).
+    categories : ndarray of uint32, shape (m, 2)
+        The present categories of the particle and of the wall, sets of bits. A side of the
+        container stops every particle; it has category 1, as for casts.
 
     See Also
     --------
@@ -104,6 +166,7 @@ class WallContacts(Result):
         "depths",
         "normal_impulses",
         "friction_impulses",
+        "categories",
     )
 
     ids: NDArray[np.int64]
@@ -112,6 +175,46 @@ class WallContacts(Result):
     depths: NDArray[np.float32]
     normal_impulses: NDArray[np.float32]
     friction_impulses: NDArray[np.float32]
+    categories: NDArray[np.uint32]
+
+    def between(self, a: SupportsIndex, b: SupportsIndex) -> WallContacts:
+        """Return the contacts between particles of some categories and walls of others.
+
+        A contact is kept if the particle has a category in `a` and the wall has one in `b`.
+
+        Parameters
+        ----------
+        a, b : int
+            Categories, sets of 32 bits, which may be the same or have some in common.
+
+        Returns
+        -------
+        WallContacts
+            The contacts that are kept, in the same order.
+
+        Raises
+        ------
+        TypeError
+            If `a` or `b` is no integer.
+        ValueError
+            If `a` or `b` has more than 32 bits.
+
+        See Also
+        --------
+        WorldContacts.between : The same for two particles.
+        WallEvents.between : The same for events.
+
+        Examples
+        --------
+        >>> LAVA = 8
+        >>> world = jostle.World([(0, 1), (9, 1)], 1.0, velocities=(0, -1))
+        >>> ids = world.walls.add([((-3, 0), (3, 0)), ((6, 0), (12, 0))], categories=[1, LAVA])
+        >>> world.step(0.1)
+        >>> world.last_step.wall_contacts.between(1, LAVA).ids
+        array([1])
+        """
+        chosen = Choice(self.categories, a, b, directed=True)
+        return WallContacts(*(chosen.of(getattr(self, name)) for name in self.__slots__))
 
 
 class WorldEvents(Result):
@@ -127,6 +230,8 @@ class WorldEvents(Result):
         Pairs that touched at the ends of both calls.
     exited : ndarray of int64, shape (m, 2)
         Pairs that touched at the end of the call before or in this one, and not at its end.
+    entered_categories, stayed_categories, exited_categories : ndarray of uint32, shape (m, 2)
+        The categories of both when they touched last, sets of bits, for `between`.
 
     See Also
     --------
@@ -135,11 +240,74 @@ class WorldEvents(Result):
     jostle.Events : The same for the shapes of a `Space`.
     """
 
-    __slots__ = ("entered", "stayed", "exited")
+    __slots__ = (
+        "entered",
+        "stayed",
+        "exited",
+        "entered_categories",
+        "stayed_categories",
+        "exited_categories",
+    )
 
     entered: NDArray[np.int64]
     stayed: NDArray[np.int64]
     exited: NDArray[np.int64]
+    entered_categories: NDArray[np.uint32]
+    stayed_categories: NDArray[np.uint32]
+    exited_categories: NDArray[np.uint32]
+
+    def between(self, a: SupportsIndex, b: SupportsIndex) -> WorldEvents:
+        """Return the events between particles of some categories and particles of others.
+
+        A pair is kept if one particle has a category in `a` and the other one has a category in
+        `b`. The particle in the first column then has one in `a`, and that in the second has one in
+        `b`, so the smaller id may be the second. A pair that fits in both orders is kept once, as
+        it is.
+
+        Parameters
+        ----------
+        a, b : int
+            Categories, sets of 32 bits, which may be the same or have some in common.
+
+        Returns
+        -------
+        WorldEvents
+            The pairs that are kept, in the same order.
+
+        Raises
+        ------
+        TypeError
+            If `a` or `b` is no integer.
+        ValueError
+            If `a` or `b` has more than 32 bits.
+
+        See Also
+        --------
+        jostle.Events.between : The same for a `Space`.
+        WorldContacts.between : The same for contacts.
+
+        Examples
+        --------
+        >>> COIN, PLAYER = 2, 4
+        >>> world = jostle.World(
+        ...     [(0, 0), (3, 0)], 1.0, velocities=[(0, 0), (-1, 0)], categories=[COIN, PLAYER],
+        ...     sensors=[True, False], track_events=True,
+        ... )
+        >>> world.step(1.5)
+        >>> world.remove(0)  # the events stay those of the call
+        >>> world.events.between(PLAYER, COIN).entered
+        array([[1, 0]])
+        """
+        categories = (self.entered_categories, self.stayed_categories, self.exited_categories)
+        chosen = [Choice(of, a, b) for of in categories]
+        return WorldEvents(
+            chosen[0].pairs(self.entered),
+            chosen[1].pairs(self.stayed),
+            chosen[2].pairs(self.exited),
+            chosen[0].pairs(self.entered_categories),
+            chosen[1].pairs(self.stayed_categories),
+            chosen[2].pairs(self.exited_categories),
+        )
 
 
 class WallEvents(Result):
@@ -156,6 +324,9 @@ class WallEvents(Result):
         Pairs that touched at the ends of both calls.
     exited : ndarray of int64, shape (m, 2)
         Pairs that touched at the end of the call before or in this one, and not at its end.
+    entered_categories, stayed_categories, exited_categories : ndarray of uint32, shape (m, 2)
+        The categories of both when they touched last, sets of bits, for `between`. A side of the
+        container has category 1.
 
     See Also
     --------
@@ -163,11 +334,71 @@ class WallEvents(Result):
     WorldEvents : The same of two particles.
     """
 
-    __slots__ = ("entered", "stayed", "exited")
+    __slots__ = (
+        "entered",
+        "stayed",
+        "exited",
+        "entered_categories",
+        "stayed_categories",
+        "exited_categories",
+    )
 
     entered: NDArray[np.int64]
     stayed: NDArray[np.int64]
     exited: NDArray[np.int64]
+    entered_categories: NDArray[np.uint32]
+    stayed_categories: NDArray[np.uint32]
+    exited_categories: NDArray[np.uint32]
+
+    def between(self, a: SupportsIndex, b: SupportsIndex) -> WallEvents:
+        """Return the events between particles of some categories and walls of others.
+
+        A pair is kept if the particle has a category in `a` and the wall has one in `b`.
+
+        Parameters
+        ----------
+        a, b : int
+            Categories, sets of 32 bits, which may be the same or have some in common.
+
+        Returns
+        -------
+        WallEvents
+            The pairs that are kept, in the same order.
+
+        Raises
+        ------
+        TypeError
+            If `a` or `b` is no integer.
+        ValueError
+            If `a` or `b` has more than 32 bits.
+
+        See Also
+        --------
+        WorldEvents.between : The same for two particles.
+        WallContacts.between : The same for contacts.
+
+        Examples
+        --------
+        >>> BALL, GOAL = 2, 4
+        >>> world = jostle.World(
+        ...     [(0, 0), (0, 2)], 0.5, velocities=[(9, 0), (0, 0)], categories=[BALL, 1],
+        ...     track_events=True,
+        ... )
+        >>> goal = world.walls.add(((4, -1), (4, 1)), sensors=True, categories=GOAL)
+        >>> world.step(1.0)
+        >>> world.wall_events.between(BALL, GOAL).entered
+        array([[0, 0]])
+        """
+        categories = (self.entered_categories, self.stayed_categories, self.exited_categories)
+        chosen = [Choice(of, a, b, directed=True) for of in categories]
+        return WallEvents(
+            chosen[0].pairs(self.entered),
+            chosen[1].pairs(self.stayed),
+            chosen[2].pairs(self.exited),
+            chosen[0].pairs(self.entered_categories),
+            chosen[1].pairs(self.stayed_categories),
+            chosen[2].pairs(self.exited_categories),
+        )
 
 
 class LastStep(Result):

@@ -1,8 +1,9 @@
 //! The part of a distributed world that one rank has, for `jostle.mpi`.
 
-use jostle_world::StateHash;
+use jostle_base::memory;
 use jostle_world::ranks;
 use jostle_world::ranks::{Traffic, read_records};
+use jostle_world::{StateHash, Touched};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -13,6 +14,9 @@ use crate::communicator::PyCommunicator;
 use crate::error::refused;
 use crate::interrupt::detached;
 use crate::results;
+
+/// Pairs and their categories.
+type Pairs<'py> = (Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<u32>>);
 
 /// Own particles and the ids of all rows; calls, messages, bytes, repeated steps, rebalances.
 type Numbers<'py> = (usize, Bound<'py, PyArray1<i64>>, [u64; 5]);
@@ -171,17 +175,18 @@ impl PyWorld {
         results::world_contacts(py, self.long(py, |state| ranks::own_touches_asleep(&state.world))?)
     }
 
-    /// Pairs of particles, or of particles and walls, that touched: at the end of the call before, in this one, and at
-    /// its end. For `jostle.mpi`.
-    fn _own_touches<'py>(
-        &self,
-        py: Python<'py>,
-        at_walls: bool,
-    ) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
+    /// Pairs of particles, or of particles and walls, that touched, and their categories: at the end of the call before,
+    /// in this one, and at its end. For `jostle.mpi`.
+    fn _own_touches<'py>(&self, py: Python<'py>, at_walls: bool) -> PyResult<Vec<Pairs<'py>>> {
         let [pairs, walls] =
             self.long(py, |state| state.world.record().touches())?.map_err(refused)?;
         let all = if at_walls { walls } else { pairs };
-        all.into_iter().map(|pairs| table(py, pairs)).collect()
+        let columns = |all: Vec<Touched>| {
+            let pairs = memory::collect(all.iter().map(|of| of.pair)).map_err(refused)?;
+            let categories = memory::collect(all.iter().map(|of| of.categories));
+            Ok((table(py, pairs)?, table(py, categories.map_err(refused)?)?))
+        };
+        all.into_iter().map(columns).collect()
     }
 
     /// The old and the new ids of own particles that merged. For `jostle.mpi`.

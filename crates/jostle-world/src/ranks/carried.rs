@@ -206,7 +206,7 @@ pub(super) fn own_sleeping_contacts(world: &World) -> impl Iterator<Item = &Slee
 /// with the ids among the particles of all ranks. Each is on one rank.
 pub fn own_touches_asleep(world: &World) -> Vec<Touch> {
     let touched = own_sleeping_contacts(world).filter(|of| of.contact.touched);
-    touched.map(|of| touch_of(&of.contact, of.ids)).collect()
+    touched.map(|of| touch_of(&of.contact, of.ids, of.categories)).collect()
 }
 
 /// Takes what [`own_kept`] returned for the particles of a world, in any order. Returns an

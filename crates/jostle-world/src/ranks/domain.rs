@@ -17,6 +17,7 @@ use crate::container::Container;
 use crate::halo::{Halo, digest};
 use crate::particles::Particles;
 use crate::world::bodies::asleep::{Asleep, Sleepers};
+use crate::world::bodies::discs::Discs;
 use crate::world::distribution::{Agreed, Distribution, Protocol};
 use crate::world::reach::ROUNDED_UP;
 use crate::world::search::Lists;
@@ -533,11 +534,14 @@ impl Distribution for Domain {
         &mut self,
         sleepers: &Sleepers,
         contacts: &[(u32, Contact)],
-        rows: &[u32],
+        Discs { particles, rows, .. }: &Discs,
     ) -> Result<bool> {
         let kept = contacts.iter().map(|(island, contact)| {
-            let ids = contact.indices.map(|index| self.ids[rows[index as usize] as usize]);
-            SleepingContact::new(sleepers.islands[*island as usize].name, ids, contact)
+            let indices = contact.indices.map(|index| index as usize);
+            let ids = indices.map(|index| self.ids[rows[index] as usize]);
+            let categories = indices.map(|index| particles.filter(index).category);
+            let name = sleepers.islands[*island as usize].name;
+            SleepingContact::new(name, ids, categories, contact)
         });
         let kept: Vec<SleepingContact> = kept.collect();
         self.sleeping.extend(kept);

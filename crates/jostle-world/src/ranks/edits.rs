@@ -134,7 +134,7 @@ pub fn remove(world: &mut World, ids: &[Id]) -> Result<()> {
     world.bodies.ids = Ids::of_rows(world.halo.own_rows() as usize);
     // Their pairs are reported as `left` at the end of the record, so they are kept apart.
     world.record.pairs.set_apart(|pair| pair.iter().any(is_gone));
-    world.record.walls.set_apart(|[id, _]| is_gone(id));
+    world.record.walls.set_apart(|[id, _]| is_gone(&id));
     world.external.end_if_zero(&*world.halo)
 }
 

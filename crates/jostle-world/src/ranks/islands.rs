@@ -33,24 +33,32 @@ pub(crate) struct SleepingContact {
     pub(crate) island: Id,
     /// The ids of both. The first sleeps; if both do, it is the smaller one.
     pub(crate) ids: [Id; 2],
+    /// The categories of both, which cannot change while the island sleeps.
+    pub(crate) categories: [u32; 2],
     /// The contact in the last step in which the island was awake. Its indices have no meaning.
     pub(crate) contact: Contact,
     /// Whether their surfaces touched at the end of that step, as far as this is wanted.
     pub(crate) is_near: bool,
 }
 
-plain! { SleepingContact { ids, island, contact, is_near } }
+plain! { SleepingContact { ids, island, categories, contact, is_near } }
 
 impl SleepingContact {
-    /// A contact whose indices have these ids.
-    pub(crate) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
+    /// A contact whose indices have these ids and categories.
+    pub(crate) fn new(
+        island: Id,
+        [a, b]: [Id; 2],
+        categories: [u32; 2],
+        contact: &Contact,
+    ) -> Self {
         let is_first = match contact.inverse_masses.map(|inverse| inverse > 0.0) {
             [true, true] => a < b,
             [is_first, _] => is_first,
         };
         let (ids, indices) = if is_first { ([a, b], [0, 1]) } else { ([b, a], [1, 0]) };
         let contact = Contact { indices, ..*contact }.ascending();
-        Self { island, ids, contact, is_near: false }
+        let categories = indices.map(|at| categories[at as usize]);
+        Self { island, ids, categories, contact, is_near: false }
     }
 }
 
@@ -143,7 +151,8 @@ pub(super) fn keep_pairs_of_sleepers(world: &mut World) -> Result<()> {
         let ids = pair.map(|index| domain.id(rows[index as usize]));
         let inverse_masses = pair.map(|index| particles.inverse_mass(index as usize));
         let contact = Contact { inverse_masses, ..Contact::default() };
-        let new = SleepingContact::new(island, ids, &contact);
+        let categories = pair.map(|index| particles.filter(index as usize).category);
+        let new = SleepingContact::new(island, ids, categories, &contact);
         domain.sleeping.push(SleepingContact { is_near: true, ..new });
     }
     Ok(())
@@ -242,7 +251,8 @@ mod tests {
             touched: true,
             ..Contact::default()
         };
-        let of = SleepingContact { island: 8, ids: [9, 1 << 40], contact, is_near: true };
+        let (ids, categories) = ([9, 1 << 40], [7, 1 << 31]);
+        let of = SleepingContact { island: 8, ids, categories, contact, is_near: true };
         let mut bytes = Vec::new();
         append(&mut bytes, of);
         assert_eq!(read_all::<SleepingContact>(&bytes).collect::<Vec<_>>(), [of]);
@@ -252,7 +262,8 @@ mod tests {
     fn the_first_particle_of_a_sleeping_contact_is_movable() {
         let of = |inverse_masses: [f32; 2], ids: [Id; 2]| {
             let contact = Contact { normal: [0.0, 1.0], inverse_masses, ..Contact::default() };
-            let kept = SleepingContact::new(0, ids, &contact);
+            let kept = SleepingContact::new(0, ids, ids.map(|id| id as u32), &contact);
+            assert_eq!(kept.categories, kept.ids.map(|id| id as u32));
             (kept.ids, kept.contact.normal)
         };
         assert_eq!(of([1.0, 1.0], [5, 2]), ([2, 5], [0.0, -1.0]));

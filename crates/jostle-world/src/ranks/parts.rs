@@ -19,7 +19,7 @@ use jostle_base::ids::Id;
 const MAGIC: [u8; 16] = *b"jostle ranks\x1a\n\0\0";
 
 /// Version of the format of the other bytes.
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
 
 /// Ids of a chunk.
 const CHUNK: u64 = 1 << 14;

@@ -35,10 +35,10 @@ use crate::world::bodies::discs::Discs;
 use crate::world::distribution::{Agreement, Protocol};
 use crate::world::external::has_accelerations;
 use crate::world::reach::ROUNDED_UP;
+use crate::world::record::Touched;
 use crate::world::substeps::too_many_collisions;
 use crate::world::{OnTouch, Stats, World};
 use jostle_base::error::{Error, Result};
-use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
 
 /// Factor of the margin after each step that was not repeated.
@@ -234,10 +234,10 @@ impl Protocol for Ranks {
         keep_pairs_of_sleepers(world)
     }
 
-    fn touching_asleep(&self, world: &World) -> Result<Vec<[Id; 2]>> {
+    fn touching_asleep(&self, world: &World) -> Result<Vec<Touched>> {
         let all = domain_of(world).map_or(&[][..], |domain| &domain.sleeping);
         let touch = all.iter().filter(|of| of.is_near || of.contact.presses());
-        Ok(touch.map(|of| of.ids).map(|[a, b]| [a.min(b), a.max(b)]).collect())
+        Ok(touch.map(|of| Touched::ascending(of.ids, of.categories)).collect())
     }
 }
 

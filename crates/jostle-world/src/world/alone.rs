@@ -1,11 +1,13 @@
 //! What one process that has the whole world does at the points at which several exchange messages.
 
 use super::bodies::asleep::Sleepers;
+use super::bodies::discs::Discs;
 use super::distribution::{Agreed, Agreement, Distribution, Protocol};
 use super::islands::wake::{
     cancel_waking, forget_woken, wake, wake_changed, wake_driven, wake_every_island,
 };
 use super::merge::merge_touching;
+use super::record::Touched;
 use super::touching::known_touches_asleep;
 use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
@@ -54,7 +56,7 @@ impl Distribution for Alone {
         Ok(false)
     }
 
-    fn keep_contacts(&mut self, _: &Sleepers, _: &[(u32, Contact)], _rows: &[u32]) -> Result<bool> {
+    fn keep_contacts(&mut self, _: &Sleepers, _: &[(u32, Contact)], _: &Discs) -> Result<bool> {
         Ok(false)
     }
 }
@@ -154,7 +156,7 @@ impl Protocol for Alone {
         Ok(())
     }
 
-    fn touching_asleep(&self, world: &World) -> Result<Vec<[Id; 2]>> {
+    fn touching_asleep(&self, world: &World) -> Result<Vec<Touched>> {
         known_touches_asleep(&world.bodies, &world.record)
     }
 }

@@ -27,6 +27,7 @@ use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::DEFAULT_CATEGORY;
 
 /// The container, the walls and their impulses.
 #[derive(Debug, Default)]
@@ -87,6 +88,12 @@ impl Boundaries {
     /// The id of the wall with a number, or the code of a side of the container.
     pub(crate) fn id_of(&self, wall: u32) -> Id {
         index_of(wall).map_or_else(|| self.walls.id_of(wall), |row| self.ids.of(row))
+    }
+
+    /// The category of a wall. As for casts, that of a side is the usual one.
+    pub(crate) fn category_of(&self, wall: u32) -> u32 {
+        index_of(wall)
+            .map_or(DEFAULT_CATEGORY, |row| self.walls.all()[row as usize].filter.category)
     }
 
     /// Begins an attempt at a step, which [`Boundaries::undo`] takes back.

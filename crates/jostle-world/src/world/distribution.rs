@@ -7,7 +7,9 @@
 use std::any::Any;
 
 use super::bodies::asleep::Sleepers;
+use super::bodies::discs::Discs;
 use super::bodies::ids::Ids;
+use super::record::Touched;
 use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
 use crate::halo::Halo;
@@ -55,11 +57,11 @@ pub(crate) trait Distribution: Halo + Any + Send {
         if self.is_whole() { ids.of(row) } else { self.ids()[row as usize] }
     }
 
-    /// The ids of two rows, the smaller first; none of two ghosts, whose own processes know them.
-    fn known_pair(&self, ids: &Ids, rows: [u32; 2]) -> Option<[Id; 2]> {
+    /// Two rows with these categories that touched; none of two ghosts, whose own processes know them.
+    fn known_pair(&self, ids: &Ids, rows: [u32; 2], categories: [u32; 2]) -> Option<Touched> {
         let is_known = rows.iter().any(|&row| row < self.own_rows());
-        let [a, b] = rows.map(|row| self.id_among_all(ids, row));
-        is_known.then_some([a.min(b), a.max(b)])
+        let pair = rows.map(|row| self.id_among_all(ids, row));
+        is_known.then(|| Touched::ascending(pair, categories))
     }
 
     /// What the particles of all processes require; None if it is what the own ones require.
@@ -85,13 +87,13 @@ pub(crate) trait Distribution: Halo + Any + Send {
         scratch: &mut JoinScratch,
     ) -> Result<bool>;
 
-    /// Keeps the contacts of islands that fall asleep, each with the number of its island. Returns
+    /// Keeps the contacts of islands that fall asleep, which are still `awake`, each with the number of its island. Returns
     /// false if the world has to keep them.
     fn keep_contacts(
         &mut self,
         sleepers: &Sleepers,
         contacts: &[(u32, Contact)],
-        rows: &[u32],
+        awake: &Discs,
     ) -> Result<bool>;
 }
 
@@ -179,6 +181,6 @@ pub(crate) trait Protocol: Sync {
     /// Keeps the touching pairs of islands that fall asleep.
     fn keep_pairs(&self, world: &mut World) -> Result<()>;
 
-    /// The ids of the pairs of sleeping particles that touch.
-    fn touching_asleep(&self, world: &World) -> Result<Vec<[Id; 2]>>;
+    /// The pairs of sleeping particles that touch.
+    fn touching_asleep(&self, world: &World) -> Result<Vec<Touched>>;
 }

@@ -83,7 +83,7 @@ use jostle_base::memory;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::Shapes;
 use plan::start_threads;
-pub use record::{Record, TouchEvents};
+pub use record::{Record, TouchEvents, Touched};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 pub use sums::StateHash;
 pub use totals::{Collisions, Totals};

@@ -4,6 +4,7 @@
 use std::cmp::Ordering;
 
 use super::bodies::Bodies;
+use super::bodies::discs::Discs;
 use super::boundaries::Boundaries;
 use super::distribution::Distribution;
 use super::totals::{Collisions, StepSums, Totals};
@@ -13,6 +14,7 @@ use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory::{self, copy_option};
+use jostle_base::plain;
 
 /// No wall has this id; those of sides are below.
 const NO_WALL: Id = -1;
@@ -23,6 +25,26 @@ const LAST_SIDE: Id = FIRST_SIDE - MAX_SIDES as Id;
 /// Pairs in the list of those that touched before doubles are removed for the first time.
 const FEW: usize = 1024;
 
+/// Two things that touched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Touched {
+    /// Their ids: of two particles, the smaller first, or of a particle and a wall or side.
+    pub pair: [Id; 2],
+    /// The categories of both, as they were then. One that was removed since has no others.
+    pub categories: [u32; 2],
+}
+
+plain! { Touched { pair, categories } }
+
+impl Touched {
+    /// Two particles in any order.
+    pub(crate) fn ascending([a, b]: [Id; 2], [of_a, of_b]: [u32; 2]) -> Self {
+        let (pair, categories) =
+            if a < b { ([a, b], [of_a, of_b]) } else { ([b, a], [of_b, of_a]) };
+        Self { pair, categories }
+    }
+}
+
 /// Sorted pairs of ids: of two particles, the smaller first, or of a particle and a wall or side.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TouchEvents {
@@ -32,6 +54,22 @@ pub struct TouchEvents {
     pub stayed: Vec<[Id; 2]>,
     /// Those that touched when it began or later, and do not touch at its end.
     pub left: Vec<[Id; 2]>,
+    /// The categories of the pairs of each list, in the same order, when they touched last.
+    pub categories: [Vec<[u32; 2]>; 3],
+}
+
+impl TouchEvents {
+    fn new(entered: Vec<Touched>, stayed: Vec<Touched>, left: Vec<Touched>) -> Result<Self> {
+        let all = [entered, stayed, left];
+        let pairs = |at: usize| memory::collect(all[at].iter().map(|of| of.pair));
+        let categories = |at: usize| memory::collect(all[at].iter().map(|of| of.categories));
+        Ok(Self {
+            entered: pairs(0)?,
+            stayed: pairs(1)?,
+            left: pairs(2)?,
+            categories: [categories(0)?, categories(1)?, categories(2)?],
+        })
+    }
 }
 
 /// What happened in the steps since the record began.
@@ -59,17 +97,17 @@ pub struct Record {
     previous: Option<Box<Record>>,
 }
 
-/// The pairs that touched, of the ids of two things.
+/// The pairs that touched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Pairs {
-    /// Those that touched at the end of the record before, sorted.
-    before: Vec<[Id; 2]>,
+    /// Those that touched at the end of the record before, sorted, each once.
+    before: Vec<Touched>,
     /// Those that touched in a step of this record; some may be listed twice.
-    during: Vec<[Id; 2]>,
-    /// Those that touched at the end of this record, sorted.
-    pub(crate) at_end: Vec<[Id; 2]>,
+    during: Vec<Touched>,
+    /// Those that touched at the end of this record, sorted, each once.
+    pub(crate) at_end: Vec<Touched>,
     /// In a distributed world, those of them of which a particle was removed since.
-    gone: Vec<[Id; 2]>,
+    gone: Vec<Touched>,
     /// The length of `during` when doubles were removed.
     distinct: usize,
     /// The length of `during` when the step began.
@@ -95,10 +133,11 @@ impl Saved for Pairs {
 
 impl Pairs {
     /// Refuses lists of pairs of which one cannot be, and pairs if no events are tracked.
-    fn check(&self, track_events: bool, may_be: impl Fn(&[Id; 2]) -> bool) -> Result<()> {
+    fn check(&self, track_events: bool, may_be: impl Fn([Id; 2]) -> bool) -> Result<()> {
         let lists = [&self.before, &self.during, &self.at_end];
-        let is_right =
-            |list: &Vec<[Id; 2]>| list.iter().all(&may_be) && list.is_sorted_by(|a, b| a < b);
+        let is_right = |list: &Vec<Touched>| {
+            list.iter().all(|of| may_be(of.pair)) && list.is_sorted_by(|a, b| a.pair < b.pair)
+        };
         if !lists.iter().all(|list| is_right(list)) {
             return Err(damaged("two things that touched have no ids"));
         }
@@ -110,19 +149,19 @@ impl Pairs {
 
     /// Those with which the next record begins: those at the end of this one. Until it ends they are those at its end,
     /// too, without those of which one is gone.
-    fn next(&self, is_there: impl Fn(&[Id; 2]) -> bool) -> Result<Self> {
+    fn next(&self, is_there: impl Fn([Id; 2]) -> bool) -> Result<Self> {
         let (before, mut at_end) = (union(&self.at_end, &self.gone)?, memory::copy(&self.at_end)?);
-        at_end.retain(is_there);
+        at_end.retain(|of| is_there(of.pair));
         Ok(Self { before, at_end, ..Self::default() })
     }
 
     /// Keeps pairs of which a particle is removed apart.
-    pub(crate) fn set_apart(&mut self, is_gone: impl Fn(&[Id; 2]) -> bool) {
-        self.gone.extend(self.at_end.extract_if(.., |pair| is_gone(pair)));
+    pub(crate) fn set_apart(&mut self, is_gone: impl Fn([Id; 2]) -> bool) {
+        self.gone.extend(self.at_end.extract_if(.., |of| is_gone(of.pair)));
     }
 
     /// Adds some that touched in the step.
-    pub(crate) fn add(&mut self, pairs: impl Iterator<Item = [Id; 2]>) -> Result<()> {
+    pub(crate) fn add(&mut self, pairs: impl Iterator<Item = Touched>) -> Result<()> {
         memory::extend(&mut self.during, pairs)
     }
 
@@ -138,17 +177,16 @@ impl Pairs {
         }
     }
 
-    /// Those that touched in a step, sorted, without doubles.
-    fn sorted(&self) -> Result<Vec<[Id; 2]>> {
+    /// Those that touched in a step, sorted, each once.
+    fn sorted(&self) -> Result<Vec<Touched>> {
         let mut during = memory::copy(&self.during)?;
-        during.sort_unstable();
-        during.dedup();
+        sort(&mut during);
         Ok(during)
     }
 
     /// Those at the end of the record before, in a step of this one, and at its end. Several processes of a distributed
     /// world may have the same pair.
-    fn touches(&self) -> Result<[Vec<[Id; 2]>; 3]> {
+    fn touches(&self) -> Result<[Vec<Touched>; 3]> {
         let at_end = union(&self.at_end, &self.gone)?;
         Ok([memory::copy(&self.before)?, memory::copy(&self.during)?, at_end])
     }
@@ -160,9 +198,11 @@ impl Pairs {
         let during = self.sorted()?;
         let touched = union(&self.at_end, &during)?;
         let [entered, _] = split(&touched, &self.before)?;
-        let [_, stayed] = split(&self.before, &self.at_end)?;
-        let [left, _] = split(&union(&self.before, &touched)?, &self.at_end)?;
-        Ok(TouchEvents { entered, stayed, left })
+        let [_, stayed] = split(&self.at_end, &self.before)?;
+        // Of a pair that touched again the categories are those of then.
+        let [untouched, _] = split(&self.before, &touched)?;
+        let [left, _] = split(&union(&untouched, &touched)?, &self.at_end)?;
+        TouchEvents::new(entered, stayed, left)
     }
 }
 
@@ -186,8 +226,8 @@ impl Record {
         self.totals.check(walls)?;
         let [end, end_of_walls] = next;
         let is_wall = |wall| wall < end_of_walls && wall != NO_WALL && wall >= LAST_SIDE;
-        self.pairs.check(track_events, |&[a, b]| 0 <= a && a < b && b < end)?;
-        self.walls.check(track_events, |&[a, wall]| 0 <= a && a < end && is_wall(wall))
+        self.pairs.check(track_events, |[a, b]| 0 <= a && a < b && b < end)?;
+        self.walls.check(track_events, |[a, wall]| 0 <= a && a < end && is_wall(wall))
     }
 
     /// Sums over its steps.
@@ -198,7 +238,7 @@ impl Record {
     /// The pairs that touched at the end of the record before, that touched in a step of this one, and that touch at
     /// its end: of particles, and of particles and walls. Several processes of a distributed world may have the same
     /// pair.
-    pub fn touches(&self) -> Result<[[Vec<[Id; 2]>; 3]; 2]> {
+    pub fn touches(&self) -> Result<[[Vec<Touched>; 3]; 2]> {
         Ok([self.pairs.touches()?, self.walls.touches()?])
     }
 
@@ -217,7 +257,7 @@ impl Record {
     /// particle, and `is_wall` of a wall or side, whether it exists.
     pub(crate) fn begin(&mut self, [is_there, is_wall]: [&dyn Fn(Id) -> bool; 2]) -> Result<()> {
         let pairs = self.pairs.next(|pair| pair.iter().all(|&id| is_there(id)))?;
-        let walls = self.walls.next(|&[id, wall]| is_there(id) && is_wall(wall))?;
+        let walls = self.walls.next(|[id, wall]| is_there(id) && is_wall(wall))?;
         // Of several records without a step, only the last may be as before.
         let old = Self { previous: None, ..std::mem::take(self) };
         *self = Self {
@@ -232,7 +272,7 @@ impl Record {
     }
 
     /// Ends it with the pairs of particles, and of particles and walls, that touch now.
-    pub(crate) fn end(&mut self, [pairs, walls]: [Vec<[Id; 2]>; 2]) {
+    pub(crate) fn end(&mut self, [pairs, walls]: [Vec<Touched>; 2]) {
         (self.pairs.at_end, self.walls.at_end) = (pairs, walls);
         self.is_open = false;
         self.knows_sleepers = true;
@@ -328,8 +368,13 @@ pub(crate) fn record_pairs(
     halo: &dyn Distribution,
     indices: impl Iterator<Item = [u32; 2]>,
 ) -> Result<()> {
-    let rows = |indices: [u32; 2]| indices.map(|index| bodies.awake.rows[index as usize]);
-    record.pairs.add(indices.map(rows).filter_map(|rows| halo.known_pair(&bodies.ids, rows)))
+    let Discs { particles, rows, .. } = &bodies.awake;
+    let touched = |indices: [u32; 2]| {
+        let indices = indices.map(|index| index as usize);
+        let categories = indices.map(|index| particles.filter(index).category);
+        halo.known_pair(&bodies.ids, indices.map(|index| rows[index]), categories)
+    };
+    record.pairs.add(indices.filter_map(touched))
 }
 
 /// Adds rows of particles and numbers of walls that touched in the step to the record.
@@ -340,33 +385,51 @@ pub(crate) fn record_walls(
     touched: impl Iterator<Item = [u32; 2]>,
 ) -> Result<()> {
     let own = touched.filter(|[row, _]| *row < halo.own_rows());
-    record
-        .walls
-        .add(own.map(|[row, wall]| [halo.id_among_all(&bodies.ids, row), boundaries.id_of(wall)]))
+    record.walls.add(own.map(touched_walls(bodies, boundaries, halo)?))
 }
 
-/// The pairs of two sorted lists, without doubles.
-fn union(a: &[[Id; 2]], b: &[[Id; 2]]) -> Result<Vec<[Id; 2]>> {
+/// What a row of a particle and the number of a wall are as a pair that touched.
+pub(crate) fn touched_walls(
+    bodies: &Bodies,
+    boundaries: &Boundaries,
+    halo: &dyn Distribution,
+) -> Result<impl Fn([u32; 2]) -> Touched> {
+    let category = bodies.categories()?;
+    Ok(move |[row, wall]: [u32; 2]| Touched {
+        pair: [halo.id_among_all(&bodies.ids, row), boundaries.id_of(wall)],
+        categories: [category(row), boundaries.category_of(wall)],
+    })
+}
+
+/// Sorts pairs, each once. The categories change within a record only if particles merge, and then to a union: the
+/// largest are the last ones.
+pub(crate) fn sort(all: &mut Vec<Touched>) {
+    all.sort_unstable_by(|a, b| b.cmp(a));
+    all.dedup_by_key(|of| of.pair);
+    all.reverse();
+}
+
+/// The pairs of two lists, sorted, each once.
+fn union(a: &[Touched], b: &[Touched]) -> Result<Vec<Touched>> {
     let mut all = memory::with_capacity(a.len() + b.len())?;
     all.extend_from_slice(a);
     all.extend_from_slice(b);
-    all.sort_unstable();
-    all.dedup();
+    sort(&mut all);
     Ok(all)
 }
 
 /// The pairs of a sorted list that are not in another, and those that are.
-fn split(all: &[[Id; 2]], other: &[[Id; 2]]) -> Result<[Vec<[Id; 2]>; 2]> {
+fn split(all: &[Touched], other: &[Touched]) -> Result<[Vec<Touched>; 2]> {
     // Both lists are sorted, so one pass over them is enough.
     let (mut rest, mut apart, mut common) = (other, Vec::new(), Vec::new());
-    for pair in all {
+    for touched in all {
         while let Some((first, others)) = rest.split_first()
-            && first.cmp(pair) == Ordering::Less
+            && first.pair.cmp(&touched.pair) == Ordering::Less
         {
             rest = others;
         }
-        let is_common = rest.first() == Some(pair);
-        memory::push(if is_common { &mut common } else { &mut apart }, *pair)?;
+        let is_common = rest.first().is_some_and(|first| first.pair == touched.pair);
+        memory::push(if is_common { &mut common } else { &mut apart }, *touched)?;
     }
     Ok([apart, common])
 }

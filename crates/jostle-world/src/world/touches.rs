@@ -2,7 +2,7 @@
 
 use super::bodies::Bodies;
 use super::bodies::discs::Discs;
-use super::record::{record_pairs, record_walls};
+use super::record::{Touched, record_pairs, record_walls};
 use super::search::{Overlap, overlapping};
 use super::settings::{OnTouch, WorldSettings};
 use super::{StepScratch, World};
@@ -30,6 +30,8 @@ pub struct Touch {
     pub normal_impulse: f32,
     /// Sum of those along the normal after a quarter turn from +x to +y.
     pub friction_impulse: f32,
+    /// The present categories of both.
+    pub categories: [u32; 2],
 }
 
 /// A particle and a wall that gave it an impulse during the last step.
@@ -48,21 +50,18 @@ pub struct WallTouch {
     pub normal_impulse: f32,
     /// As for [`Touch`], on the particle.
     pub friction_impulse: f32,
+    /// The present categories of the particle and of the wall; that of a side is the usual one.
+    pub categories: [u32; 2],
 }
 
-/// What callers see of the contact of two particles with these ids.
-pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
-    let sign = if i < j { 1.0 } else { -1.0 };
+/// What callers see of the contact of two particles with these ids and categories.
+pub(crate) fn touch_of(contact: &Contact, ids: [Id; 2], categories: [u32; 2]) -> Touch {
+    let sign = if ids[0] < ids[1] { 1.0 } else { -1.0 };
+    let Touched { pair, categories } = Touched::ascending(ids, categories);
     let normal = contact.normal.map(|v| v * sign);
     // If the two are exchanged, normal and impulse change their signs, and the sums do not.
     let [normal_impulse, friction_impulse] = contact.totals;
-    Touch {
-        pair: [i.min(j), i.max(j)],
-        normal,
-        depth: -contact.gap,
-        normal_impulse,
-        friction_impulse,
-    }
+    Touch { pair, normal, depth: -contact.gap, normal_impulse, friction_impulse, categories }
 }
 
 /// Collects what touched in a part of a step, and with which impulses, from the results of the
@@ -160,15 +159,16 @@ fn update_contacts(
 fn overlaps(bodies: &Bodies, settings: &WorldSettings) -> Result<Vec<Touch>> {
     let Discs { particles, rows, .. } = &bodies.awake;
     let touch = |Overlap { indices, offset, radius_sum }: Overlap| {
-        let [i, j] = indices.map(|index| rows[index as usize]);
+        let categories = indices.map(|index| particles.filter(index as usize).category);
+        let ids = indices.map(|index| bodies.ids.of(rows[index as usize]));
         let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-        let sign = if i < j { 1.0 } else { -1.0 };
+        let sign = if ids[0] < ids[1] { 1.0 } else { -1.0 };
         // The normal of coincident centres is +x.
         let normal = if length > 0.0 { offset.map(|v| v * sign / length) } else { [1.0, 0.0] };
         let (normal_impulse, friction_impulse) = (0.0, 0.0);
-        let pair = [i.min(j), i.max(j)].map(|row| bodies.ids.of(row));
+        let Touched { pair, categories } = Touched::ascending(ids, categories);
         let depth = radius_sum - length;
-        Touch { pair, normal, depth, normal_impulse, friction_impulse }
+        Touch { pair, normal, depth, normal_impulse, friction_impulse, categories }
     };
     let mut touches = memory::collect(overlapping(particles, settings)?.0.into_iter().map(touch))?;
     interrupt::check()?;
@@ -185,16 +185,16 @@ impl World {
         if self.settings.on_touch != OnTouch::Bounce {
             return overlaps(&self.bodies, &self.settings);
         }
-        let id = |row: u32| self.bodies.ids.of(row);
-        let of_index = |index: u32| id(self.bodies.awake.rows[index as usize]);
-        let awake = self
-            .contacts
-            .touching()
-            .map(|contact| touch_of(contact, contact.indices.map(of_index)));
+        let (id, category) = (|row: u32| self.bodies.ids.of(row), self.bodies.categories()?);
+        let touch = |contact: &Contact, rows: [u32; 2]| {
+            touch_of(contact, rows.map(id), rows.map(&category))
+        };
+        let row = |index: u32| self.bodies.awake.rows[index as usize];
+        let awake = self.contacts.touching().map(|of| touch(of, of.indices.map(row)));
         let asleep = self.bodies.asleep.contacts().filter(|contact| contact.touched);
         let mut all = Vec::new();
         memory::extend(&mut all, awake)?;
-        memory::extend(&mut all, asleep.map(|contact| touch_of(contact, contact.indices.map(id))))?;
+        memory::extend(&mut all, asleep.map(|of| touch(of, of.indices)))?;
         Ok(all)
     }
 
@@ -215,8 +215,16 @@ impl World {
                 self.boundaries.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
             let (normal, depth) = (contact.normal.map(|v| v as f32), -contact.gap as f32);
             let [normal_impulse, friction_impulse] = impulses;
-            let (id, wall) = (self.bodies.ids.of(row), self.boundaries.id_of(wall));
-            Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
+            let categories = [all.filter(index).category, self.boundaries.category_of(wall)];
+            Some(WallTouch {
+                id: self.bodies.ids.of(row),
+                wall: self.boundaries.id_of(wall),
+                normal,
+                depth,
+                normal_impulse,
+                friction_impulse,
+                categories,
+            })
         };
         let all = self.boundaries.impulses.iter().chain(self.bodies.asleep.wall_impulses());
         let mut found: Vec<WallTouch> = Vec::new();

@@ -6,7 +6,7 @@ use super::World;
 use super::bodies::Bodies;
 use super::bodies::discs::Discs;
 use super::reach::rounding;
-use super::record::{Record, TouchEvents};
+use super::record::{self, Record, TouchEvents, Touched, touched_walls};
 use super::search::{self, ListScratch, Lists};
 use super::settings::WorldSettings;
 use crate::contacts::Contact;
@@ -63,8 +63,9 @@ impl World {
 
 /// The pairs of ids that touch now, sorted: those with a small gap, and those that resting
 /// contacts press together.
-pub(crate) fn touching(world: &mut World) -> Result<Vec<[Id; 2]>> {
-    let World { bodies, contacts, record, halo, settings, scratch, .. } = &mut *world;
+pub(crate) fn touching(world: &mut World) -> Result<Vec<Touched>> {
+    let mut all = world.halo.protocol().touching_asleep(world)?;
+    let World { bodies, contacts, record, halo, settings, scratch, .. } = world;
     let is_asleep_known = record.knows_sleepers || !halo.is_whole();
     let rows = find_touching(bodies, is_asleep_known, settings, &mut scratch.touching)?;
     let is_pressed = |contact: &&Contact| contact.presses();
@@ -72,17 +73,16 @@ pub(crate) fn touching(world: &mut World) -> Result<Vec<[Id; 2]>> {
     let awake = awake.map(|contact| contact.indices.map(|index| bodies.awake.rows[index as usize]));
     let asleep = bodies.asleep.contacts().filter(is_pressed).map(|contact| contact.indices);
     let rows = rows.into_iter().chain(awake).chain(asleep);
-    let mut all = Vec::new();
-    memory::extend(&mut all, rows.filter_map(|rows| halo.known_pair(&bodies.ids, rows)))?;
-    memory::append(&mut all, &world.halo.protocol().touching_asleep(world)?)?;
-    all.sort_unstable();
-    all.dedup();
+    let category = bodies.categories()?;
+    let touched = |rows: [u32; 2]| halo.known_pair(&bodies.ids, rows, rows.map(&category));
+    memory::extend(&mut all, rows.filter_map(touched))?;
+    record::sort(&mut all);
     Ok(all)
 }
 
 /// The ids of particles and of walls or sides that touch now, sorted: those with a small gap, and those that resting
 /// contacts press together.
-fn touching_walls(world: &mut World) -> Result<Vec<[Id; 2]>> {
+fn touching_walls(world: &mut World) -> Result<Vec<Touched>> {
     let World { bodies, boundaries, halo, settings, .. } = world;
     // After a refused step the tree may be that of its walls.
     boundaries.walls.begin_part(settings.tree, 0.0)?;
@@ -95,16 +95,14 @@ fn touching_walls(world: &mut World) -> Result<Vec<[Id; 2]>> {
     let impulses = boundaries.impulses.iter().chain(bodies.asleep.wall_impulses());
     let pressed = impulses.filter(|of| of.pushes[0] > 0.0).map(|of| [of.row, of.wall]);
     let all = awake.chain(asleep).chain(pressed).filter(|[row, _]| *row < halo.own_rows());
-    let ids = |[row, wall]: [u32; 2]| [halo.id_among_all(&bodies.ids, row), boundaries.id_of(wall)];
     let mut found = Vec::new();
-    memory::extend(&mut found, all.map(ids))?;
-    found.sort_unstable();
-    found.dedup();
+    memory::extend(&mut found, all.map(touched_walls(bodies, boundaries, &**halo)?))?;
+    record::sort(&mut found);
     Ok(found)
 }
 
 /// The pairs of sleeping particles that touched when they were recorded.
-pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Result<Vec<[Id; 2]>> {
+pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Result<Vec<Touched>> {
     let mut all = Vec::new();
     if !record.knows_sleepers || bodies.asleep.is_empty() {
         return Ok(all);
@@ -112,8 +110,8 @@ pub(crate) fn known_touches_asleep(bodies: &Bodies, record: &Record) -> Result<V
     let mut asleep = memory::filled(bodies.len(), false)?;
     bodies.asleep.rows().for_each(|row| asleep[row as usize] = true);
     let sleeps = |&id: &Id| bodies.ids.row(id).is_some_and(|row| asleep[row as usize]);
-    let known = record.pairs.at_end.iter().filter(|pair| pair.iter().any(sleeps));
-    let known = known.filter(|pair| pair.iter().all(|&id| bodies.contains(id)));
+    let known = record.pairs.at_end.iter().filter(|of| of.pair.iter().any(sleeps));
+    let known = known.filter(|of| of.pair.iter().all(|&id| bodies.contains(id)));
     memory::extend(&mut all, known.copied())?;
     Ok(all)
 }

@@ -21,7 +21,7 @@ use jostle_base::memory;
 use jostle_base::saved;
 use jostle_base::table::{Table, dense};
 use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::{Each, Filter, Shapes, fill_filters};
+use jostle_index::shapes::{DEFAULT_CATEGORY, Each, Filter, Shapes, fill_filters};
 
 /// The particles of a world.
 #[derive(Debug, Default)]
@@ -144,6 +144,17 @@ impl Bodies {
     pub(crate) fn has_filters(&self) -> bool {
         let sleepers = &self.asleep.sleepers().discs.particles;
         !self.awake.particles.filters.is_empty() || !sleepers.filters.is_empty()
+    }
+
+    /// A function that returns the category of the particle in a row.
+    pub(crate) fn categories(&self) -> Result<impl Fn(u32) -> u32> {
+        let indices = if self.has_filters() { self.indices()? } else { &[] };
+        Ok(move |row: u32| {
+            indices.get(row as usize).map_or(DEFAULT_CATEGORY, |&index| {
+                let (all, at) = self.disc_at(index as usize);
+                all.filter(at).category
+            })
+        })
     }
 
     /// Whether each particle is asleep, in the order of adding.

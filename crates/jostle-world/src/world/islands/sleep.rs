@@ -73,7 +73,7 @@ pub(crate) fn fall_asleep(world: &mut World, plan: &Plan, dt: f64) -> Result<()>
         let lasting = islands.contacts_of_sleepers(contacts)?;
         let rows = &bodies.awake.rows;
         // Those of a distributed world are kept with ids.
-        if !halo.keep_contacts(&sleepers, &lasting, rows)? {
+        if !halo.keep_contacts(&sleepers, &lasting, &bodies.awake)? {
             let by_rows = |(island, contact): (u32, Contact)| {
                 let indices = contact.indices.map(|index| rows[index as usize]);
                 (island, Contact { indices, ..contact })
