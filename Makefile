@@ -28,7 +28,7 @@ MODULES := $(shell find python lab -name __pycache__ -prune -o -name "_core.*.so
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup run test search arcade lint bench docs web wheel clean
+.PHONY: help setup run test full search arcade lint bench docs web wheel clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -44,6 +44,13 @@ test: setup  ## run every test: Rust, Python and the examples in the documents
 	cargo test --workspace --exclude jostle-py
 	$(if $(ARGS),,$(BIN)/python -m pytest tests/mpi)
 	$(BIN)/python -m pytest $(or $(ARGS),--ignore tests/mpi --numprocesses auto --dist worksteal)
+
+full: setup  ## what takes too long for every change: searches, measurements, 1,000 examples of each property
+	$(need_rust)
+	cargo test --package jostle --test all -- --ignored --skip list_stages
+	JOSTLE_OPERATIONS=100000 cargo test --package jostle --test all operations
+	$(BIN)/python tests/random_scenes.py
+	$(BIN)/python -m pytest -m "full or hypothesis" --hypothesis-profile=full --numprocesses auto --dist worksteal
 
 search: setup  ## search 1,000 random scenes for discs that hang in the air (ARGS=10000: more; ARGS=polygons: see CONTRIBUTING)
 	$(if $(filter polygons,$(ARGS)),$(POLYGONS),$(BIN)/python tests/random_scenes.py $(ARGS))

@@ -17,13 +17,14 @@ os.environ["SDL_AUDIODRIVER"] = "dummy"
 os.environ["PYGAME_HIDE_SUPPORT_PROMPT"] = "1"
 os.environ["ARCADE_HEADLESS"] = "True"
 
-# Times on a shared machine vary too much for a deadline.
-settings.register_profile("here", deadline=None, print_blob=True)
+# Times on a shared machine vary too much for a deadline. `make full` tries more examples.
+settings.register_profile("here", deadline=None, print_blob=True, max_examples=40)
 # Every run uses the same examples, so that a failure comes from the tested change.
 settings.register_profile("ci", parent=settings.get_profile("here"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 # On further Pythons the same compiled core is tested (pytest --hypothesis-profile=library).
 settings.register_profile("library", parent=settings(), max_examples=20)
+settings.register_profile("full", parent=settings.get_profile("here"), max_examples=1000)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 import arcade
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import jostle.arcade as ours
@@ -54,10 +54,8 @@ def colliding(one: Any, others: Any) -> list[Any]:
 
 
 seeds = st.integers(0, 2**32 - 1)
-few = settings(max_examples=40, deadline=None)
 
 
-@few
 @given(seeds, seeds)
 def test_all_at_once(seed: int, other_seed: int) -> None:
     a, b = sprites(seed), sprites(other_seed)
@@ -69,7 +67,6 @@ def test_all_at_once(seed: int, other_seed: int) -> None:
     assert ours.check_for_collisions_between(a, a) == both
 
 
-@few
 @given(seeds)
 def test_a_snapshot_answers_what_the_list_does(seed: int) -> None:
     a = sprites(seed)
@@ -82,7 +79,6 @@ def test_a_snapshot_answers_what_the_list_does(seed: int) -> None:
         assert ours.get_closest_sprite(one, now) == arcade.get_closest_sprite(one, a)
 
 
-@few
 @given(seeds)
 def test_points_and_rectangles(seed: int) -> None:
     a = sprites(seed)

@@ -8,7 +8,7 @@ import mesa
 import numpy as np
 import pytest
 from copies import by_pickle
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from mesa.experimental.continuous_space import ContinuousSpace as MesaSpace
 from mesa.experimental.continuous_space import ContinuousSpaceAgent
@@ -65,7 +65,6 @@ coordinates = st.one_of(
 points = st.tuples(coordinates, st.one_of(st.integers(0, 10).map(float), st.floats(0, 10)))
 
 
-@settings(max_examples=100, deadline=None)
 @given(
     st.booleans(),
     st.lists(points, max_size=25),

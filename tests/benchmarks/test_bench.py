@@ -1,22 +1,28 @@
 """The benchmark compares before it times, and times what it says. No test depends on a time."""
 
 import re
+import sys
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import bandwidth
+import defaults
 import held
+import matplotlib
 import numpy as np
 import pairs
+import plot
 import pytest
+import run
 import shapes
 import step_rivals
 import steps
+import tables
 from machine import Results, describe, slug, version_of
 from outputs import table
 from pair_rivals import RIVALS, Rival, Unable
 from ratios import compare, crossing
-from run import summary
-from signals import printed_by
 from timing import Effort, Timing, interleaved
 
 import jostle
@@ -260,48 +266,64 @@ def test_a_machine_has_a_name_for_files() -> None:
     assert slug() == slug().lower() and " " not in slug() and "core" in slug()
 
 
-def run_benchmarks(*arguments: str | Path, code: str = "") -> str:
-    """Run them, or `code` beside them; return what is printed."""
-    program = ["-c", code] if code else ["run.py"]
-    return printed_by(*program, *arguments, cwd=BENCHMARKS, timeout=600)
+@pytest.fixture
+def run_benchmarks(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., str]:
+    """Provide a call that runs parts of the benchmarks, and returns what is printed."""
+
+    def run_parts(*arguments: str | Path) -> str:
+        monkeypatch.setattr(sys, "argv", ["run.py", *map(str, arguments)])
+        run.main()
+        return capsys.readouterr().out
+
+    return run_parts
 
 
-def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
-    parts = ["pairs", "small", "share", "hard-cases"]
-    said = run_benchmarks(*parts, "--largest", "100", "--rounds", "2", "--out", str(tmp_path))
+@pytest.fixture
+def own_style() -> Iterator[None]:
+    """Keep the style of pictures from other tests."""
+    with matplotlib.rc_context():
+        yield
+
+
+def test_the_runner_writes_results_and_fills_the_page(
+    run_benchmarks: Callable[..., str], tmp_path: Path
+) -> None:
+    parts, results = ["pairs", "small", "share", "hard-cases"], tmp_path / "results"
+    said = run_benchmarks(*parts, "--largest", "100", "--rounds", "2", "--out", results)
     for words in (describe().split(",")[0], "discs, ns per shape", "jostle, 2 threads", "(×1)"):
         assert words in said
     assert "…" not in said
-    assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
+    assert {path.name for path in results.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
 
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- table: small -->\nold\n<!-- end -->\nafter\n")
-    code = "import sys, tables, pathlib; tables.write_all(*map(pathlib.Path, sys.argv[1:]))"
-    run_benchmarks(tmp_path, page, code=code)
+    tables.write_all(results, page)
     written = page.read_text()
     assert "old" not in written and "Worst ratio" in written
     assert written.startswith("before\n") and written.endswith("after\n")
 
 
+@pytest.mark.usefixtures("own_style")
 def test_the_limits_of_the_memory_are_computed_and_drawn(tmp_path: Path) -> None:
-    code = """
-import sys, pathlib, bandwidth, plot
-rows = bandwidth.rows([1000, 20.0, 10.0, 800], 1e10, 3)
-least = sum(float(row["input_output_bytes"]) for row in rows)
-assert least == 8 + 8 * 0.8  # a centre read, 0.8 pairs written
-assert all(float(row["passes_bytes"]) > float(row["input_output_bytes"]) for row in rows)
-assert [float(row["ns"]) for row in rows] == [20.0, 10.0]
-as_text = [{name: str(value) for name, value in row.items()} for row in rows]
-plot.draw_bandwidth([{**row, "machine": ""} for row in as_text], pathlib.Path(sys.argv[1]))
-"""
+    rows = bandwidth.rows([1000, 20.0, 10.0, 800], 1e10, 3)
+    least = sum(float(row["input_output_bytes"]) for row in rows)
+    assert least == 8 + 8 * 0.8  # a centre read, 0.8 pairs written
+    assert all(float(row["passes_bytes"]) > float(row["input_output_bytes"]) for row in rows)
+    assert [float(row["ns"]) for row in rows] == [20.0, 10.0]
+    as_text = [{name: str(value) for name, value in row.items()} for row in rows]
     picture = tmp_path / "picture.png"
-    run_benchmarks(picture, code=code)
+    plot.draw_bandwidth([{**row, "machine": ""} for row in as_text], picture)
     assert picture.stat().st_size > 10_000
 
 
-def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("own_style")
+def test_the_times_of_stages_are_measured_and_drawn(
+    run_benchmarks: Callable[..., str], tmp_path: Path
+) -> None:
     options = ["--largest", "60", "--rounds", "3", "--out", tmp_path]
-    run_benchmarks("stage-times", *options)
+    run_benchmarks("stage-times", "plot", *options)
     results = tmp_path / f"stage-times-{slug()}.csv"
     rows = table(results)
     scenes = {row["scene"] for row in rows}
@@ -312,7 +334,6 @@ def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
         assert 0 < sum(own.values()) < 0.1
 
     picture = tmp_path / "bench-stage-times.png"
-    run_benchmarks("plot", *options)
     drawn = picture.read_bytes()
     (tmp_path / f"before-{results.name}").write_text(results.read_text())
     run_benchmarks("plot", *options)
@@ -321,11 +342,10 @@ def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
 
 def test_stages_have_the_colours_of_the_simulator() -> None:
     pytest.importorskip("imgui_bundle")
-    run_benchmarks(
-        code="import plot; from jostle_lab.panels.statistics_panel import STAGES\n"
-        "for stage, colour in plot.STAGES.items():\n"
-        "    assert bytes.fromhex(colour[1:]) == bytes(STAGES[stage]), stage"
-    )
+    from jostle_lab.panels.statistics_panel import STAGES
+
+    for stage, colour in plot.STAGES.items():
+        assert bytes.fromhex(colour[1:]) == bytes(STAGES[stage]), stage
 
 
 def test_only_what_measures_the_simulator_imports_it() -> None:
@@ -343,7 +363,7 @@ def test_a_summary_has_times_per_shape_and_ratios_to_the_first_row() -> None:
         return {**same, "name": name, "count": count, "rounds": rounds, "median_s": seconds}
 
     rows = [row("a", 10, 2, 1e-7), row("b", 10, 2, 2e-6), row("a", 20, 2, 4e-7), row("b", 20, 0, 0)]
-    shown = summary(rows)
+    shown = run.summary(rows)
     assert [list(column.cells) for column in shown.columns] == [
         ["a", "b"],
         ["10 (×1)", "200 (×20)"],
@@ -367,14 +387,10 @@ def test_a_crossing_lies_between_the_last_counts_of_both_kinds() -> None:
 
 
 def test_the_defaults_are_compared_with_the_best_settings(tmp_path: Path) -> None:
-    code = """
-import sys, pathlib, defaults
-found = defaults.tune("gas", 200, 3, 1)
-(row,) = defaults.verdicts([found])
-assert row["verdict"] in ("pass", "fail", "open") and float(row["default_over_best"]) > 0
-assert {row["leaf_capacity"] for row in defaults.settings(found)} == set(found.map.depths)
-assert "| 96 |" in defaults.capacities_table(defaults.capacities([found]))
-defaults.write(pathlib.Path(sys.argv[1]), "defaults", [row])
-"""
-    run_benchmarks(tmp_path, code=code)
+    found = defaults.tune("gas", 200, 3, 1)
+    (row,) = defaults.verdicts([found])
+    assert row["verdict"] in ("pass", "fail", "open") and float(row["default_over_best"]) > 0
+    assert {row["leaf_capacity"] for row in defaults.settings(found)} == set(found.map.depths)
+    assert "| 96 |" in defaults.capacities_table(defaults.capacities([found]))
+    defaults.write(tmp_path, "defaults", [row])
     assert "default_over_best" in (tmp_path / f"defaults-{slug()}.csv").read_text()

@@ -1,9 +1,11 @@
 """Every example runs without a display, draws something, is short, and is in the gallery."""
 
 import ast
-import os
 import re
+import runpy
 import sys
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -27,10 +29,22 @@ def pixels(picture: Path) -> np.ndarray:
     return pygame.surfarray.array3d(pygame.image.load(picture).convert(24))
 
 
-def run(*arguments: str) -> None:
-    """Run Python without a display, and check that it ends without errors and warnings."""
-    environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": str(FOLDER)}
-    printed_by("-W", "error::DeprecationWarning:__main__", *arguments, env=environment)
+@pytest.fixture
+def run_example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
+    """Provide a call that runs an example, without a display, errors and warnings."""
+
+    def run(example: Path, *arguments: str) -> None:
+        monkeypatch.setattr(sys, "argv", [str(example), *arguments])
+        with warnings.catch_warnings():
+            warnings.filterwarnings("error", category=DeprecationWarning, module="__main__")
+            runpy.run_path(str(example), run_name="__main__")
+
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.delitem(sys.modules, "show", raising=False)  # it reads the arguments
+    pygame.quit()
+    yield run
+    pygame.quit()
+    sys.modules.pop("show", None)
 
 
 def test_the_numbers_have_no_gap() -> None:
@@ -39,9 +53,11 @@ def test_the_numbers_have_no_gap() -> None:
 
 
 @each_example
-def test_draws_a_picture_without_a_display(example: Path, tmp_path: Path) -> None:
+def test_draws_a_picture_without_a_display(
+    example: Path, run_example: Callable[..., None], tmp_path: Path
+) -> None:
     picture = tmp_path / "picture.png"
-    run(str(example), "--picture", str(picture), "--frames", FRAMES.get(example.stem, "10"))
+    run_example(example, "--picture", str(picture), "--frames", FRAMES.get(example.stem, "10"))
     drawn = pixels(picture)
     assert drawn.shape == (800, 500, 3)
     drawn = drawn[:, :450]  # without the line at the bottom
@@ -49,13 +65,11 @@ def test_draws_a_picture_without_a_display(example: Path, tmp_path: Path) -> Non
     assert ground.mean() < 0.998
 
 
-def test_ends_when_its_window_is_closed() -> None:
+def test_ends_when_its_window_is_closed(run_example: Callable[..., None]) -> None:
     """A QUIT comes a while after the window has opened; the title is that of no picture."""
-    code = (
-        "import runpy, pygame; pygame.init(); pygame.time.set_timer(pygame.QUIT, 200);"
-        f"runpy.run_path({str(FOLDER / '05_nearest_enemy.py')!r})"
-    )
-    run("-c", code)
+    pygame.init()
+    pygame.time.set_timer(pygame.QUIT, 200, loops=1)
+    run_example(FOLDER / "05_nearest_enemy.py")
 
 
 @each_example

@@ -23,7 +23,8 @@ SMALL = (640, 360)
 
 def wait_less(monkeypatch, most: float = 0.5) -> None:
     """Let visitors wait no longer than so many seconds, and draw less meanwhile."""
-    wait = ScriptedUser.wait
+    wait, live = ScriptedUser.wait, ScriptedUser.live
+    monkeypatch.setattr(ScriptedUser, "live", lambda self, time: live(self, min(time, most)))
     monkeypatch.setattr(
         ScriptedUser, "wait", lambda self, time, every=6: wait(self, min(time, most), 20)
     )

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import oracle_queries as oracle
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from results import fields
@@ -116,7 +116,6 @@ def test_each_point_is_in_one_tile(dtype: Any) -> None:
     assert len(tree.query_point((all_tiles[-1, 2], 0))) == 0
 
 
-@settings(max_examples=50, deadline=None)
 @given(boxes(), st.integers(1, 8))
 def test_pairs_are_those_of_exact_comparison(rows: NDArray[Any], leaf_capacity: int) -> None:
     expected = pairs_of(boxes_of(rows, 0), overlap)
@@ -138,7 +137,6 @@ _eighths = st.integers(-40, 40).map(lambda k: k / 8)
 _sizes = st.one_of(st.just(0.0), st.integers(0, 16).map(lambda k: k / 8))
 
 
-@settings(max_examples=30, deadline=None)
 @given(
     boxes(_eighths),
     st.lists(st.tuples(_eighths, _eighths, _sizes, _sizes, _sizes), max_size=20),
@@ -205,7 +203,6 @@ _near = st.one_of(_borders, st.integers(-9, 9).map(lambda k: k * 0.1), _decimals
 _small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.0078125, 5, width=32))
 
 
-@settings(max_examples=50, deadline=None)
 @given(boxes(_near), st.tuples(_near, _near), st.tuples(_small, _small), _small, st.booleans())
 def test_queries_are_those_of_min_and_max(
     rows: NDArray[Any], at: Vector, size: Vector, radius: float, in_space: bool
@@ -256,7 +253,6 @@ def polygon_overlaps(corners: list[tuple[int, int]], box: list[Fraction]) -> boo
     return True
 
 
-@settings(max_examples=50, deadline=None)
 @given(boxes(st.integers(-8, 8).map(float)), st.integers(-6, 6), st.integers(-6, 6))
 def test_polygons_overlap_boxes_as_in_exact_arithmetic(rows: NDArray[Any], x: int, y: int) -> None:
     corners = [(x, y), (x + 5, y + 1), (x + 6, y + 4), (x + 2, y + 6)]

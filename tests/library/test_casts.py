@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from results import fields
 
@@ -29,7 +29,6 @@ def some_of(tree: jostle.Quadtree, rows: Any) -> jostle.Quadtree:
     return jostle.Quadtree(tree.positions[rows], tree.radii[rows], tree.half_sizes[rows])
 
 
-@settings(max_examples=100)
 @given(scenes())
 def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
     tree, space, rng = scene
@@ -57,7 +56,6 @@ def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
     assert all_hits.counts.sum() == len(all_hits.queries) == len(ids)
 
 
-@settings(max_examples=100)
 @given(scenes())
 def test_a_box_stops_where_it_touches(scene: Any) -> None:
     tree, space, rng = scene
@@ -83,7 +81,6 @@ def test_a_box_stops_where_it_touches(scene: Any) -> None:
             assert hits.normals[row] @ units[row] < 1e-6
 
 
-@settings(max_examples=100)
 @given(scenes())
 def test_points_lie_on_both_surfaces(scene: Any) -> None:
     tree, _, rng = scene
@@ -110,7 +107,6 @@ def test_points_lie_on_both_surfaces(scene: Any) -> None:
     assert rays.points[there] == pytest.approx(ends, abs=1e-12)
 
 
-@settings(max_examples=100)
 @given(scenes(), st.integers(1, 4))
 def test_exclude_gives_the_answers_without_that_shape(scene: Any, k: int) -> None:
     tree, space, rng = scene

@@ -65,7 +65,7 @@ def forks_during(call: Callable[[], object], work: Callable[[], object]) -> set[
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_fork_during_a_call_of_another_thread_does_not_hang(threads: int) -> None:
     rng = np.random.default_rng(0)
-    centers = rng.random((20_000, 2))
+    centers = rng.random((5_000, 2))
     space = jostle.Space(threads=threads)
     ids = space.add(centers, 0.001)
     world = jostle.World(centers, 0.001, velocities=centers, threads=threads)
@@ -76,7 +76,7 @@ def test_a_fork_during_a_call_of_another_thread_does_not_hang(threads: int) -> N
         assert np.array_equal(jostle.find_pairs(centers, 0.001, sort=True, threads=2), expected)
 
     def move() -> None:
-        space.set(ids, positions=rng.random((20_000, 2)))
+        space.set(ids, positions=rng.random((5_000, 2)))
         space.update()
 
     assert forks_during(find, find) == {0}

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from oracle import DTYPES, open_overlap
@@ -62,7 +62,6 @@ def gaps(tree: jostle.Quadtree, period: tuple[float, float]) -> NDArray[Any]:
     return np.where(side > 0, np.minimum(lowered(0, 0), images), lowered(0, 0))
 
 
-@settings(max_examples=150)
 @given(planes(), st.sampled_from([0.0, 0.5, 1.25, 30.0]))
 def test_pairs_neighbors_and_contacts(
     plane: tuple[dict[str, Any], tuple[float, float]], distance: float
@@ -118,7 +117,6 @@ def test_neighbors_are_those_of_a_k_d_tree(dtype: Any) -> None:
         assert 2 * len(ours) == len(found.ids)
 
 
-@settings(max_examples=100)
 @given(planes(), st.integers(0, 2**32 - 1))
 def test_queries(plane: tuple[dict[str, Any], tuple[float, float]], seed: int) -> None:
     """Each query finds what it finds among nine copies of the shapes in an infinite plane."""

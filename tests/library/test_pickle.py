@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 from copies import WAYS
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import jostle
@@ -34,7 +34,6 @@ def test_trees(way: Any, dtype: Any) -> None:
         assert np.array_equal(twin.nodes().boxes, tree.nodes().boxes)
 
 
-@settings(max_examples=60)
 @given(
     st.lists(st.sampled_from(["add", "move", "remove", "update", "boxes"]), max_size=30), st.data()
 )

@@ -173,7 +173,7 @@ def test_the_fountains_say_where_drops_come_from() -> None:
 
 @pytest.mark.usefixtures("usual_threads")
 @pytest.mark.parametrize(
-    ("name", "n", "seconds"), [("mill", 150, 15), ("conveyor", 300, 30), ("pinball", 30, 60)]
+    ("name", "n", "seconds"), [("mill", 150, 15), ("conveyor", 300, 8), ("pinball", 30, 60)]
 )
 def test_machines_keep_discs_inside_and_moving(name: str, n: int, seconds: int) -> None:
     world = scenes.create(name, n)

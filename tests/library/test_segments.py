@@ -8,7 +8,7 @@ from fractions import Fraction
 import exact_shapes as exact
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import jostle
@@ -18,7 +18,7 @@ POINTS = st.tuples(NUMBERS, NUMBERS)
 RADII = st.sampled_from([0.0, 0.0, 0.5, 1.0, 2.5])
 SEGMENTS = st.tuples(POINTS, POINTS)
 MANY = st.lists(SEGMENTS, min_size=1, max_size=12)
-dtypes = pytest.mark.parametrize("dtype", ["float32", "float64"])
+DTYPES = st.sampled_from(["float32", "float64"])
 
 
 @st.composite
@@ -54,9 +54,7 @@ def sorted_pairs(found) -> list[list[int]]:
     return sorted(sorted(pair) for pair in found.tolist())
 
 
-@dtypes
-@settings(max_examples=80, deadline=None)
-@given(segments=MANY, radii=st.lists(RADII, min_size=12, max_size=12))
+@given(dtype=DTYPES, segments=MANY, radii=st.lists(RADII, min_size=12, max_size=12))
 def test_pairs_of_segments_are_exact(dtype, segments, radii) -> None:
     rows, radii = np.array(segments, dtype), np.array(radii[: len(segments)], dtype)
     expected = exact.pairs([exact.shape(*one) for one in zip(rows, radii, strict=True)])
@@ -67,9 +65,9 @@ def test_pairs_of_segments_are_exact(dtype, segments, radii) -> None:
     assert tree.pairs(sort=True).tolist() == expected
 
 
-@dtypes
-@settings(max_examples=80, deadline=None)
-@given(shapes=mixed_shapes(), period=st.sampled_from([None, (14, 14), (0, 13), (15, 0)]))
+@given(
+    dtype=DTYPES, shapes=mixed_shapes(), period=st.sampled_from([None, (14, 14), (0, 13), (15, 0)])
+)
 def test_pairs_with_circles_and_boxes_are_exact(dtype, shapes, period) -> None:
     space, _ = space_of(shapes, dtype=dtype, period=period)
     expected = exact.pairs(exact_of(shapes), period or (0, 0))
@@ -101,7 +99,6 @@ def test_segments_that_only_touch_do_not_overlap(a, b, overlaps) -> None:
             assert len(jostle.find_pairs(segments=order, radii=0.25)) == at_least
 
 
-@settings(max_examples=80, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from(["float32", "float64"]))
 def test_many_segments_by_every_method(seed: int, dtype: str) -> None:
     rng = np.random.default_rng(seed)
@@ -127,7 +124,6 @@ def dtype_of(value: float, dtype: str):
     return np.dtype(dtype).type(value)
 
 
-@settings(max_examples=80, deadline=None)
 @given(shapes=mixed_shapes())
 def test_contacts_push_apart(shapes) -> None:
     space, ids = space_of(shapes)
@@ -146,9 +142,8 @@ def test_contacts_push_apart(shapes) -> None:
                 assert away <= abs(one.radius - depth / 2) + 1e-9
 
 
-@dtypes
-@settings(max_examples=60, deadline=None)
 @given(
+    dtype=DTYPES,
     shapes=mixed_shapes(),
     point=POINTS,
     size=st.tuples(st.integers(1, 5), st.integers(1, 5)),
@@ -180,7 +175,6 @@ def test_region_queries_are_exact(dtype, shapes, point, size, radius) -> None:
     assert len(ids) == len(every)
 
 
-@settings(max_examples=60, deadline=None)
 @given(shapes=mixed_shapes(), point=POINTS)
 def test_the_nearest_shapes(shapes, point) -> None:
     space, ids = space_of(shapes)
@@ -203,7 +197,6 @@ MOVERS = {
 
 
 @pytest.mark.parametrize("mover", MOVERS)
-@settings(max_examples=60, deadline=None)
 @given(shapes=mixed_shapes(4), origin=POINTS, direction=POINTS.filter(any))
 def test_casts_find_the_first_contact(mover, shapes, origin, direction) -> None:
     """The distance of two convex shapes is a convex function of the way."""
@@ -242,7 +235,6 @@ def test_casts_find_the_first_contact(mover, shapes, origin, direction) -> None:
     assert len(alone) == len(ids) and (first.id < 0 or first.id in ids)
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32))
 def test_queries_of_a_periodic_plane(seed: int) -> None:
     """Those of all images in an open plane."""
@@ -411,7 +403,6 @@ def test_arguments_that_exclude_each_other() -> None:
         jostle.find_pairs(segments=[[(0, 0), (4, 9)], [(0, 0), (5.5, 1)]], period=(5, 0))
 
 
-@settings(max_examples=60, deadline=None)
 @given(shapes=mixed_shapes(8), data=st.data())
 def test_events_of_a_space(shapes, data) -> None:
     space, ids = space_of(shapes)
@@ -444,7 +435,6 @@ def test_events_of_a_space(shapes, data) -> None:
 EVENTS = ("entered", "stayed", "exited")
 
 
-@settings(max_examples=80, deadline=None)
 @given(
     shapes=mixed_shapes(2).filter(lambda shapes: len(shapes) == 2),
     ways=st.tuples(POINTS, POINTS),
@@ -590,7 +580,6 @@ def test_segments_do_not_slide() -> None:
     assert space.positions[0].tolist() == [0, 0]
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from(["float32", "float64"]))
 def test_a_slide_ends_in_nothing(seed: int, dtype: str) -> None:
     """By the formula of the pairs, whatever the shapes are."""

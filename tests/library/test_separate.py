@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from oracle import open_overlap
 
@@ -36,7 +36,6 @@ def problems(draw):
     return centers, radii, sizes[:, 1:] * (kind != "discs")
 
 
-@settings(max_examples=150, deadline=None)
 @given(problems(), st.sampled_from([None, 0, 1]), st.sampled_from([0.0, 0.5]), st.booleans())
 @example((np.zeros((30, 2)), np.ones(30), np.zeros((30, 2))), None, 0.0, False)
 @example((np.zeros((30, 2)), np.zeros(30), np.ones((30, 2))), None, 0.5, True)
@@ -54,7 +53,6 @@ def test_nothing_overlaps_afterwards(problem, axis, gap, single) -> None:
         np.testing.assert_array_equal(apart.positions[:, 1 - axis], centers[:, 1 - axis])
 
 
-@settings(max_examples=60, deadline=None)
 @given(problems())
 def test_what_does_not_overlap_does_not_move(problem) -> None:
     centers, radii, halves = problem

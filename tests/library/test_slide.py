@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from copies import WAYS
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import jostle
@@ -52,7 +52,6 @@ def scenes(draw):
     return space, np.array(walkers, int), steps
 
 
-@settings(max_examples=150, deadline=None)
 @given(scenes(), st.sampled_from([(0, -1), (0, 0), (1, 2)]), st.integers(0, 2**32))
 def test_never_inside(scene, up, seed: int) -> None:
     """Walkers come to overlap nothing, also while platforms are moved between calls.
@@ -81,7 +80,6 @@ def test_never_inside(scene, up, seed: int) -> None:
         shift(space, platforms, rng.normal(0, scale, (len(platforms), 2)))
 
 
-@settings(max_examples=60, deadline=None)
 @given(scenes())
 def test_the_first_impact_is_where_brute_force_finds_it(scene) -> None:
     """Free on the whole path up to where it stops, and inside a little beyond."""
@@ -310,7 +308,7 @@ def test_a_rising_lift_catches_what_falls_onto_it(one_way, dtype, way, mask) -> 
     rng = np.random.default_rng(1)
     n, rules = 100, {"one_way": one_way, "mask": mask}
     x = np.arange(n) * 100.0
-    for speed in (0.25, 0.5, 1, 2, 4, 8, 16, 64, 1600):
+    for speed in (0.25, 1, 4, 64, 1600):
         space = jostle.Space(dtype=dtype)
         lifts = space.add(boxes=np.stack([x - 30, x * 0, x + 30, x * 0 + 8], 1), categories=LEDGE)
         heights = rng.uniform(0, 60, n)
@@ -347,9 +345,9 @@ def test_platforms_that_move_together_carry_across_their_joints(shape: str, way:
     for pieces in ([440.0], [40.0, 400.0], [55.0] * 8):
         x = np.concatenate([[0], np.cumsum(pieces)])
         boxes = np.stack([x[:-1], x[:-1] * 0, x[1:], x[1:] * 0 + 8], 1)
-        for vx in (-3, -1.5, -1, 0, 1, 1.5, 3):
-            for vy in (-2, -1, -0.5, 0, 0.5, 1, 2):
-                for walk in (0.2, 1, 3):
+        for vx in (-3, -1, 0, 1.5):
+            for vy in (-2, -0.5, 0, 1):
+                for walk in (0.2, 3):
                     space = jostle.Space()
                     parts = space.add(boxes=boxes, categories=LEDGE)
                     walker = space.add((20, -8.0), categories=WALKER, **KINDS[shape])
@@ -524,7 +522,6 @@ def test_moved_obstacles_do_not_depend_on_ids_threads_or_their_number() -> None:
     np.testing.assert_array_equal(*found)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from(["float32", "float64"]), st.booleans())
 def test_nothing_leaves_a_room_that_moves(seed: int, dtype: str, is_one_call: bool) -> None:
     """Walls that move together by up to a thousand times the width of the room."""
@@ -786,7 +783,6 @@ def test_slopes_are_climbed_up_to_the_floor_angle(shape: str, dtype: str) -> Non
             assert np.abs(space.get(walker).positions - before).max() < most
 
 
-@settings(max_examples=80, deadline=None)
 @given(st.integers(0, 2**32), st.sampled_from(["float32", "float64"]))
 def test_nothing_leaves_a_polygon_of_segments(seed: int, dtype: str) -> None:
     """Discs, boxes and rounded boxes, at speeds from a thousandth to a billion."""

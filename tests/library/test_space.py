@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from numpy.typing import NDArray
@@ -243,7 +242,6 @@ class LivingSpace(RuleBasedStateMachine):
             np.testing.assert_array_equal(column[rows], expected)
 
 
-LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50, deadline=None)
 TestLivingSpace = LivingSpace.TestCase
 
 

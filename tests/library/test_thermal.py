@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from copies import WAYS
 from gases import lattice
+from numpy.typing import NDArray
+from scipy.special import ndtr
 
 import jostle
 
 KT = 1.0
-N = 2000
+N = 500
 MIN_X, MAX_X, MIN_Y, MAX_Y = list(jostle.Side)[:4]
 SIDE = math.sqrt(N * math.pi / 0.2)  # a fifth of the area is covered
 
@@ -31,15 +33,21 @@ def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jo
     )
 
 
+def distance_from_normal(values: NDArray[np.float32]) -> float:
+    """The Kolmogorov-Smirnov distance of n values from the normal distribution, times √n."""
+    n, distribution = len(values), ndtr(np.sort(values.astype(float)))
+    steps = np.arange(n + 1) / n
+    below, above = distribution - steps[:-1], steps[1:] - distribution
+    return float(max(below.max(), above.max()) * math.sqrt(n))
+
+
 @pytest.mark.usefixtures("usual_threads")
 @pytest.mark.parametrize(
     ("force", "steps"),
-    [(jostle.ThermalWalls(KT, seed=4), 1500), (jostle.AndersenThermostat(KT, 1.0, seed=4), 30)],
+    [(jostle.ThermalWalls(KT, seed=4), 750), (jostle.AndersenThermostat(KT, 1.0, seed=4), 30)],
 )
 def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
-    """Five samples; with the walls the deviation from kT falls e-fold in about 250 seconds."""
-    from scipy.stats import kstest  # one second, for the process that has this test
-
+    """Five samples; with the walls the deviation from kT falls e-fold in about 125 seconds."""
     world = gas([force])
     world.step(1.0, steps=steps)
     energies = []
@@ -48,7 +56,8 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
         velocities = world.velocities
         energies.append(world.kinetic_energy() / N)
         for axis in (0, 1):
-            assert kstest(velocities[:, axis], "norm").pvalue > 1e-4
+            # A normal sample is farther away with a probability of 1e-4.
+            assert distance_from_normal(velocities[:, axis]) < 2.23
     # The standard deviation of the energy of one sample is kT/√N.
     assert np.mean(energies) == pytest.approx(KT, abs=4 * KT / math.sqrt(N))
     assert world.last_step.unresolved == 0
@@ -57,7 +66,7 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
 @pytest.mark.usefixtures("usual_threads")
 def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
     world = gas([jostle.ThermalWalls(4.0, sides=[MIN_X]), jostle.ThermalWalls(1.0, sides=[MAX_X])])
-    world.step(1.0, steps=1500)
+    world.step(1.0, steps=750)
     warm = []
     for _ in range(10):
         world.step(1.0, steps=20)

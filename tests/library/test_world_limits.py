@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import jostle
@@ -141,7 +141,6 @@ def worlds(draw: st.DrawFn) -> jostle.World:
     )
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_what_was_saved_can_be_loaded(data: st.DataObject) -> None:
     try:

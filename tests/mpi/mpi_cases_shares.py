@@ -131,7 +131,7 @@ def compare(seed: int, steps: int = 3) -> None:
 @up_to(3)
 def test_random_shares() -> None:
     # With more ranks than cores each message takes long.
-    for seed in range(25 if comm().size < 3 else 6):
+    for seed in range(16 if comm().size < 3 else 4):
         compare(seed)
 
 
@@ -204,13 +204,13 @@ def test_fast_discs() -> None:
 
 def test_a_large_disc_on_small_ones() -> None:
     rng = np.random.default_rng(4)
-    n = 5000
-    small = np.column_stack([np.arange(n) % 1000 * 0.21, np.arange(n) // 1000 * 0.21]) + 0.12
-    positions = np.vstack([small, [(105, 101.2)]])
+    n = 1000
+    small = np.column_stack([np.arange(n) % 200 * 0.21, np.arange(n) // 200 * 0.21]) + 0.12
+    positions = np.vstack([small, [(21, 101.2)]])
     velocities = np.vstack([rng.normal(0, 0.05, (n, 2)), [(0, -60)]])
     columns = {
         **{"positions": positions, "velocities": velocities, "radii": np.r_[np.full(n, 0.1), 100]},
         "friction": np.full(n + 1, 0.4),
     }
-    settings = {"gravity": (0.0, -10.0), "container": jostle.Box(0, 0, 210, 400)}
-    check_shared(columns, {"restitution": 0.3, **settings}, 3)
+    settings = {"gravity": (0.0, -10.0), "container": jostle.Box(-80, 0, 122, 400)}
+    check_shared(columns, {"restitution": 0.3, **settings}, 1)

@@ -35,7 +35,7 @@ def test_rebalancing() -> None:
 def test_many() -> None:
     """MPI has a limited number of communicators; worlds use it up neither now nor later."""
     for ranks in (comm(), MPI.COMM_SELF):
-        for _ in range(1500):
+        for _ in range(1100):
             jostle.mpi.World(ranks, [], [], velocities=[])
 
 

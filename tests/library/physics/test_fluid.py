@@ -168,7 +168,7 @@ def test_a_fluid_has_the_structure_of_an_independent_simulation() -> None:
     assert np.abs(g - expected).max() < 0.08
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
     """g = exp(-u) (1 + n h), h the integral over a third particle of both Mayer functions.
 

@@ -178,7 +178,7 @@ def test_pressure_on_the_sides_of_a_box_is_that_of_henderson(
     assert sides_pressure_over_henderson(eta, time, 9, walls=walls) == pytest.approx(1, abs=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize(("eta", "time"), [(0.1, 800), (0.3, 400), (0.5, 400)])
 def test_pressure_on_walls_is_within_one_percent_of_henderson(eta: float, time: float) -> None:
     """The standard error of the mean of four seeds is 0.2 %."""

@@ -209,7 +209,7 @@ def shaft(rows: int, restitution: float, substeps: int | None) -> jostle.World:
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.9])
 def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     """A disc that is held in the air has a velocity that grows with the time."""
-    world = shaft(25, restitution, 1)
+    world = shaft(8, restitution, 1)
     unresolved = 0
     for _ in range(240):
         world.step(1 / 60)
@@ -241,7 +241,7 @@ def test_a_light_disc_between_a_wall_and_a_heavy_disc_comes_to_rest(width: float
 
 def test_no_disc_hangs_in_random_scenes() -> None:
     """`make search` looks at more of them."""
-    for seed in range(24):
+    for seed in range(9):
         faults, _ = random_scenes.find_faults(seed)
         assert not faults
 
@@ -278,21 +278,22 @@ def test_a_pile_comes_to_rest_in_five_seconds(friction: float, most: float) -> N
     assert deepest_overlap(world) <= 0.01
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.5])
 @pytest.mark.parametrize(
-    ("kind", "n", "dt"),
+    ("kind", "n", "dt", "friction"),
     [
-        ("as in the scene", 4000, 1 / 60),
-        ("as in the scene", 1000, 1 / 30),
-        ("masses 100:1", 1000, 1 / 60),
-        ("radii 10:1", 1000, 1 / 60),
-        ("radii 25:1", 300, 1 / 60),
+        ("as in the scene", 2000, 1 / 60, 0.0),
+        ("as in the scene", 1000, 1 / 30, 0.5),
+        ("masses 100:1", 300, 1 / 60, 0.0),
+        ("masses 100:1", 300, 1 / 60, 0.5),
+        ("radii 10:1", 300, 1 / 60, 0.0),
+        ("radii 25:1", 300, 1 / 60, 0.0),
     ],
 )
 def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: float) -> None:
+    """With half as many sub-steps they are two to ten times as large."""
     world = a_pile(kind, friction, n)
     world.step(dt, steps=round(5 / dt))
-    assert deepest_overlap(world) <= 0.03
+    assert deepest_overlap(world) <= 0.01
 
 
 def stack(lower: float, upper: float, **settings: object) -> jostle.World:
