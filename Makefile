@@ -47,8 +47,8 @@ test: setup  ## run every test: Rust, Python and the examples in the documents
 
 full: setup  ## what takes too long for every change: searches, measurements, 1,000 examples of each property
 	$(need_rust)
-	cargo test --package jostle --test all -- --ignored --skip list_stages
-	JOSTLE_OPERATIONS=100000 cargo test --package jostle --test all operations
+	JOSTLE_CASES=20 JOSTLE_OPERATIONS=100000 cargo test --workspace --exclude jostle-py --test all -- \
+	  --include-ignored --skip list_stages
 	$(BIN)/python tests/random_scenes.py
 	$(BIN)/python -m pytest -m "full or hypothesis" --hypothesis-profile=full --numprocesses auto --dist worksteal
 

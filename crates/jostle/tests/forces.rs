@@ -642,7 +642,7 @@ fn threads_and_methods_do_not_show() {
             world.state_hash().unwrap()
         };
         // Enough to wake other threads.
-        let many = |threads| hash(13_000, (0.0002, 1), Some(threads), Method::Quadtree);
+        let many = |threads| hash(8_500, (0.0002, 1), Some(threads), Method::Quadtree);
         assert_eq!(many(1), many(2), "{container:?}");
         let few = |threads, method| hash(1000, (0.01, 3), Some(threads), method);
         assert_eq!(few(1, Method::Quadtree), few(3, Method::Brute), "{container:?}");

@@ -42,7 +42,7 @@ fn circles<T: Scalar>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::common::cases(50) })]
 
     /// Sparse to crowded, square to narrow, far from the origin.
     #[test]
@@ -126,7 +126,7 @@ fn mixed<T: Scalar>(seed: u64, count: usize, sizes: Sizes, largest: f32, side: f
 const SIZES: [Sizes; 3] = [Sizes::Circles, Sizes::Rectangles, Sizes::Rounded];
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::common::cases(50) })]
 
     /// Equal sizes to many orders of magnitude, sparse to crowded.
     #[test]
@@ -184,22 +184,22 @@ fn one_shape_may_reach_all_others() {
 /// as much is infinite.
 #[test]
 fn shapes_that_no_grid_fits_agree() {
-    let mut shapes = mixed::<f64>(11, 6_000, Sizes::Rectangles, 20.0, 600.0);
-    for row in 0..3_000 {
+    let mut shapes = mixed::<f64>(11, 2_000, Sizes::Rectangles, 20.0, 600.0);
+    for row in 0..1_000 {
         shapes.columns_mut().centers[row] = [300.0 + 1e-9 * row as f64, 300.0];
     }
     let Some(Each::Rows(halves)) = shapes.columns_mut().half_sizes else {
         panic!("half sizes differ")
     };
-    halves[..3_000].fill([1e-12; 2]);
+    halves[..1_000].fill([1e-12; 2]);
     let small = Each::Rows(halves.clone());
     let (by_tree, found) = find(&shapes, 2);
     assert!(by_tree && found == brute(&shapes));
     let huge = |row: usize| [f64::MAX * 0.9, if row.is_multiple_of(9) { 50.0 } else { 1.0 }];
-    *shapes.columns_mut().half_sizes = Some(Each::Rows((0..6_000).map(huge).collect()));
+    *shapes.columns_mut().half_sizes = Some(Each::Rows((0..2_000).map(huge).collect()));
     assert!(find(&shapes, 1).1 == brute(&shapes));
     *shapes.columns_mut().radii =
-        Each::Rows((0..6_000).map(|row| f64::MAX / f64::from(row + 1)).collect());
+        Each::Rows((0..2_000).map(|row| f64::MAX / f64::from(row + 1)).collect());
     *shapes.columns_mut().half_sizes = Some(small);
     assert!(find(&shapes, 1).1 == brute(&shapes));
 }

@@ -65,7 +65,7 @@ fn alone() -> Settings {
 
 #[test]
 fn a_rebuilt_tree_is_usable_after_every_stop() {
-    let all = shapes(40_000);
+    let all = shapes(15_000);
     for method in [Method::Quadtree, Method::Brute] {
         let find = |tree: &mut FindScratch<f64>| {
             let mut found = pairs::find_with(tree, &all, Some(method), Some(1), DEFAULT_MAX_PAIRS)?;

@@ -69,7 +69,7 @@ fn a_disc_leaves_with_the_relative_speed() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+    #![proptest_config(crate::common::cases(40))]
 
     /// With everything seen from a kinematic disc, which then stands still, the motion is the same.
     #[test]

@@ -88,7 +88,7 @@ fn room(seed: u64, extra: [f32; 2], falls: bool) -> World {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(crate::common::cases(100))]
 
     /// Seen from walls that move together, the motion is as between walls that stand still.
     #[test]

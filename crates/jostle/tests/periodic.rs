@@ -303,7 +303,7 @@ fn normals_face<T: Scalar>(normals: &[[T; 2]], distances: &[T], way: &[T; 2]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(60))]
+    #![proptest_config(crate::common::cases(60))]
 
     #[test]
     fn pairs_and_neighbours_in_a_periodic_plane(

@@ -181,7 +181,7 @@ fn momentum_of_a_closed_system_stays() {
 
 #[test]
 fn an_elastic_gas_keeps_its_energy() {
-    let mut world = jostle_scenes::find("gas").unwrap().create(Some(4000), 3).unwrap();
+    let mut world = jostle_scenes::find("gas").unwrap().create(Some(1000), 3).unwrap();
     let start = world.kinetic_energy();
     for _ in 0..10 {
         run(&mut world, 100);
@@ -193,10 +193,10 @@ fn an_elastic_gas_keeps_its_energy() {
 #[test]
 fn an_inelastic_gas_never_gains_energy() {
     for restitution in [0.0, 0.5, 0.9] {
-        let gas = bouncing(cloud(1000, 420.0, 5.0, 200.0, 4), restitution);
-        let mut world = world_of(gas, inside(boxed([0.0; 2], [420.0; 2])));
+        let gas = bouncing(cloud(500, 300.0, 5.0, 200.0, 4), restitution);
+        let mut world = world_of(gas, inside(boxed([0.0; 2], [300.0; 2])));
         let mut last = world.kinetic_energy();
-        for step in 0..400 {
+        for step in 0..200 {
             run(&mut world, 1);
             let now = world.kinetic_energy();
             assert!(now <= last * (1.0 + 1e-6), "e {restitution}, step {step}: {last} → {now}");
@@ -278,7 +278,7 @@ fn no_shot_passes_through_a_disc() {
 
 #[test]
 fn no_shot_passes_through_a_curtain_of_discs() {
-    for seed in 0..20 {
+    for seed in 0..7 {
         let mut random = Random::new(seed);
         let side = 400.0;
         // Discs that nothing moves, a shot's radius apart, across the whole box.
@@ -354,7 +354,7 @@ fn nothing_leaves_a_container() {
             }
             let settings = WorldSettings { container, gravity, ..WorldSettings::default() };
             let mut world = world_of(bouncing(particles, 0.9), settings);
-            for step in 0..300 {
+            for step in 0..100 {
                 run(&mut world, 1);
                 let all = world.bodies().particles().unwrap();
                 for (row, (&position, &radius)) in all.positions.iter().zip(&all.radii).enumerate()
@@ -647,7 +647,7 @@ fn a_train_keeps_its_order_when_it_hits_a_wall() {
                     ..WorldSettings::default()
                 };
                 let mut world = world_of(bouncing(particles, restitution), settings);
-                for step in 0..20 {
+                for step in 0..8 {
                     run(&mut world, 1);
                     // Side by side on a line they can only pass by passing through.
                     let x: Vec<f32> =

@@ -221,7 +221,7 @@ fn lift_all(speeds: &[f32], substeps: &[usize], seeds: u64, steps: usize) {
 
 #[test]
 fn no_disc_leaves_a_box_that_moves() {
-    lift_all(&[5.0, 10.0, 100.0], &[1], 2, 40);
+    lift_all(&[5.0, 100.0], &[1], 2, 40);
     lift_all(&[20.0], &[4], 1, 40);
 }
 
@@ -317,11 +317,11 @@ fn crowd(method: Method, threads: usize) -> World {
     let mut settings = settings(4, 0.0);
     (settings.method, settings.tree.threads) = (method, Some(threads));
     let mut random = Random::new(3);
-    let all = (0..1300).map(|k| {
+    let all = (0..650).map(|k| {
         let of = |v: i32| 0.81 * v as f32 + random.between(0.0, 0.004);
         [k % 26, k / 26].map(of)
     });
-    let all = Particles::new(all.collect(), vec![[0.0; 2]; 1300], vec![0.4; 1300], 1.0);
+    let all = Particles::new(all.collect(), vec![[0.0; 2]; 650], vec![0.4; 650], 1.0);
     let mut world = world_of(bouncing(all, 0.0), settings);
     let wall = moving([[-0.5, -99.0], [-0.5, 99.0]], [20.0, 3.0]);
     world.set_walls(vec![wall]).expect("valid");

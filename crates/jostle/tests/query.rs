@@ -139,7 +139,7 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 400 } else { 2000 }))]
+    #![proptest_config(crate::common::cases(200))]
 
     #[test]
     fn answers_are_those_of_brute_force(raw in shapes(), settings in settings(), asked in asked()) {

@@ -86,7 +86,7 @@ fn check<T: Scalar>(rows: &[Row], rules: &Separation<T>) -> Result<(), TestCaseE
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn separated_shapes_keep_the_rules(rows in rows(), rules in rules::<f64>()) {

@@ -211,7 +211,7 @@ fn check_pile(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn a_walker_is_never_inside(scene in scenes()) {
@@ -394,7 +394,7 @@ proptest! {
 
 proptest! {
     // A case takes 50 ms.
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::common::cases(24))]
 
     #[test]
     fn a_walker_is_never_inside_in_a_periodic_plane(scene in scenes(), sides in periods()) {

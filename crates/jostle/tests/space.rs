@@ -416,7 +416,7 @@ impl<T: Scalar> Trial<T> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(crate::common::cases(200))]
 
     #[test]
     fn long_runs_of_calls_agree_with_brute_force(

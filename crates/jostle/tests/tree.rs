@@ -62,7 +62,7 @@ fn unordered<T: Scalar>(shapes: &Shapes<T>, settings: Settings) -> Quadtree<T> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(400) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..crate::common::cases(200) })]
 
     #[test]
     fn pairs_are_those_of_brute_force(shapes in shapes(), settings in settings()) {
@@ -405,7 +405,7 @@ fn threads_do_not_show_in_the_order_of_pairs() {
 /// Centres of 9,000 shapes: spread out evenly, in clusters, in a line, on a lattice whose
 /// neighbours touch, and all but a few in one place.
 fn crowds() -> [Vec<[f64; 2]>; 5] {
-    const COUNT: usize = 9000;
+    const COUNT: usize = 4800;
     let mut state = 1u64;
     let mut random = move || {
         state =

@@ -392,8 +392,8 @@ fn threads_do_not_show_in_walls() {
         let hashes = [1, 2, 3].map(|threads| {
             let mut settings = settings;
             settings.tree.threads = Some(threads);
-            let mut world = crowd((15_000, restitution), 2, settings);
-            run(&mut world, 3);
+            let mut world = crowd((8_500, restitution), 2, settings);
+            run(&mut world, 2);
             (world.state_hash().unwrap(), world.wall_contacts().unwrap())
         });
         assert!(hashes.iter().all(|of| *of == hashes[0]));
@@ -664,7 +664,7 @@ fn discs_do_not_overlap_walls_of_narrow_spikes() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(crate::common::cases(100))]
 
     #[test]
     fn discs_stay_in_polygons(

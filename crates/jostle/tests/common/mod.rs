@@ -10,6 +10,12 @@ use jostle_index::{Each, Quadtree, Scalar, Shapes};
 use jostle_space::{ShapeChanges, Space};
 use proptest::prelude::*;
 
+/// So many random cases, and `JOSTLE_CASES` times as many where that is set, as in `make full`.
+pub fn cases(usual: u32) -> ProptestConfig {
+    let times = std::env::var("JOSTLE_CASES").map_or(1, |times| times.parse().expect("a number"));
+    ProptestConfig::with_cases(usual * times)
+}
+
 /// Raw shapes, to be read in either type.
 #[derive(Clone, Debug)]
 pub struct Raw {
