@@ -45,6 +45,7 @@ from jostle.results import (
     WallEvents,
     WorldEvents,
 )
+from jostle.walls import Side
 
 __all__ = [
     "AndersenThermostat",
@@ -553,7 +554,8 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -632,7 +634,8 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -715,7 +718,8 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -780,7 +784,8 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -851,7 +856,8 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (n,), optional
-            An id that is not found, one for all points or one for each; -1 is none.
+            An id that is not found, one for all points or one for each; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -915,7 +921,8 @@ class _Queries:
             Hit only shapes with a category in this set of bits; other shapes are ignored.
         exclude : int or array_like of int, shape (k,), optional
             An id that rays pass, one for all or one for each, such as that of the shape in which a
-            ray starts; -1 is none.
+            ray starts; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -1156,7 +1163,8 @@ class _Queries:
         mask : int, optional
             Hit only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that rays pass, one for all or one for each; -1 is none.
+            An id that rays pass, one for all or one for each; -1 is none, as is an id
+            that nothing has.
 
         Returns
         -------
@@ -3082,9 +3090,9 @@ class World(_ShapeQueries):
         ----------
         ids : int or array_like of int, shape (k,)
             The particles; one may be given more than once. Immovable ones do not change.
-        impulses : array_like, shape (k, 2), or (2,) for one id
+        impulses : array_like, shape (k, 2), or (2,) for one id or as one for all
             In units of mass times length per second. An impulse wakes the particle.
-        points : array_like, shape (k, 2), or (2,) for one id, optional
+        points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
             Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
             image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
 
@@ -3110,18 +3118,25 @@ class World(_ShapeQueries):
         >>> world.velocities.tolist(), world.angular_velocities.tolist()
         ([[0.0, 0.0], [0.0, 3.0]], [0.0, 6.0])
         """
-    def apply_force(self, ids: ArrayLike, forces: _Vectors) -> None:
+    def apply_force(self, ids: ArrayLike, forces: _Vectors, points: _Vectors | None = None) -> None:
         """Add given forces on some particles, for the next call of `step`.
 
-        They act at the centres during all steps of that call, beside gravity and `forces`, and end with
-        it. Forces on the same particle add up. They are kept by snapshots and files.
+        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
+        the same particle add up. They are kept by snapshots and files. A force F at a point also has
+        the torque r × F, where r is the offset of the point from the centre now, so the angular
+        acceleration is r × F/I with the moment of inertia I = m r²/2. Force and torque stay the same
+        while the particle moves and turns. If particles merge, their forces and torques add up.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            The particles; one may be given more than once. Immovable ones are not accelerated.
-        forces : array_like, shape (k, 2), or (2,) for one id
+            The particles; one may be given more than once. Immovable ones, also those that move with a
+            velocity of their own, are neither accelerated nor turned.
+        forces : array_like, shape (k, 2), or (2,) for one id or as one for all
             In units of mass times length per second². A force wakes the particle.
+        points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
+            Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
+            image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
 
         Raises
         ------
@@ -3144,6 +3159,13 @@ class World(_ShapeQueries):
         >>> world.step(0.5, steps=2)
         >>> world.velocities.tolist()
         [[0.0, 0.0], [0.0, 3.0]]
+
+        Two opposite forces at the ends of a diameter only turn the disc:
+
+        >>> world.apply_force([0, 0], [(0, 1), (0, -1)], points=[(1, 0), (-1, 0)])
+        >>> world.step(0.5, steps=2)
+        >>> world.velocities[0].tolist(), world.angular_velocities[0].item()
+        ([0.0, 0.0], 2.0)
         """
     @property
     def ids(self) -> _Ids:
@@ -3281,8 +3303,8 @@ class World(_ShapeQueries):
         """Given accelerations in the next call of `step`: ndarray of float32, shape
         (n, 2), a read-only copy in units of length per second².
 
-        Assign an array of this shape before each call, or None for none; `apply_force` adds to it. They
-        act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+        Assign an array of this shape, or one vector for all, before each call, or None for none. It
+        replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
         particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
         the call.
 
@@ -5579,7 +5601,7 @@ class Motor:
     ValueError
         If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
         not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
-        particle is movable.
+        particle is movable, or another motor drives the same particle or wall.
     IdError
         When it is assigned to `World.forces`, if a particle or a wall does not exist.
 
@@ -5593,6 +5615,11 @@ class Motor:
     velocities that lead to the position at its end. On a circle a step is a chord, so the angle per
     step should be small. Particles and walls that are moved between calls continue from their new
     position.
+
+    The time is that of the world, not that since the motor was assigned: with a `cycle` one that is
+    assigned at the time t begins in the phase ``t % cycle``. Particles and walls keep the velocity of
+    the last step when their motor is taken out of `World.forces`; set their velocities to 0 to stop
+    them.
 
     Examples
     --------
@@ -5758,7 +5785,7 @@ class ThermalWalls:
     >>> world.forces = [hot, cold]
     >>> world.step(1 / 60, steps=10)
     >>> hot
-    ThermalWalls(4.0, sides=(-2,), seed=0)
+    ThermalWalls(4.0, sides=(Side.MIN_X,), seed=0)
 
     A hot plate in the middle of the box:
 
@@ -5780,9 +5807,9 @@ class ThermalWalls:
     def temperature(self) -> float:
         """Boltzmann's constant times the temperature."""
     @property
-    def sides(self) -> tuple[int, ...]:
-        """The sides of the container that have it: a tuple of int, values of `Side`. All of them stand for
-        those that the container has.
+    def sides(self) -> tuple[Side, ...]:
+        """The sides of the container that have it: a tuple of `Side`. All of them stand for those that the
+        container has.
         """
     @property
     def seed(self) -> int:

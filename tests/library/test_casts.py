@@ -139,7 +139,8 @@ def test_exclude_gives_the_answers_without_that_shape(scene: Any, k: int) -> Non
             others = fewer.raycast_all(points, ways)
             assert every[row].ids.tolist() == kept[others[row].ids].tolist()
     if n:
-        with pytest.raises(ValueError, match=r"exclude has shape|exclude"):
+        rule = f"it must be one id, or {len(points)}, one for each query"
+        with pytest.raises(ValueError, match=f"^exclude has 1 ids; {rule}$"):
             tree.nearest(points, exclude=[0])
 
 

@@ -170,7 +170,9 @@ def test_threads_method_and_order_do_not_show() -> None:
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [
-        (lambda: jostle.Grab(-1, (0, 0), rate=1), ValueError, "id is -1; it must be"),
+        (lambda: jostle.Grab(-1, (0, 0), rate=1), jostle.IdError, "id is -1; no particle has"),
+        (lambda: jostle.Grab(2**70, (0, 0), rate=1), jostle.IdError, f"id is {2**70}; no particle"),
+        (lambda: jostle.Grab(True, (0, 0), rate=1), TypeError, "id must be an integer, not bool"),
         (lambda: jostle.Grab("a", (0, 0), rate=1), TypeError, "id must be an integer"),
         (lambda: jostle.Grab(0, (0, math.nan), rate=1), ValueError, "point is (0, NaN); both"),
         (lambda: jostle.Grab(0, (0, 0, 0), rate=1), ValueError, "point has shape (3,)"),

@@ -94,8 +94,7 @@ def test_wrong_ones_are_refused(make: Any, error: type[Exception], message: str)
         make()
 
 
-def test_a_refused_step_restores_what_several_motors_drive() -> None:
-    """The velocity before both, not that of the first."""
+def test_a_refused_step_restores_what_a_motor_drives() -> None:
     walls = [[[5, 5], [9, 5]]]
     world = jostle.World(
         [(0, 0), (5, 0)],
@@ -104,11 +103,43 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
         movable=[False, True],
         walls={"segments": walls, "velocities": [(0.5, 0)]},
     )
-    world.forces = [jostle.Motor([0], walls=[0], velocity=way) for way in ((1, 0), (0, 2))]
+    world.forces = [jostle.Motor([0], walls=[0], velocity=(1, 0))]
     with pytest.raises(ValueError, match="dt"):
         world.step(1e30)
     assert world.velocities.tolist() == [[0.25, 0], [0, 0]]
     assert world.walls.velocities.tolist() == [[0.5, 0]]
+
+
+def test_what_two_motors_drive_is_named() -> None:
+    driven = world()
+    for twice, message in (
+        (
+            [jostle.Motor([0]), jostle.Motor([1, 0])],
+            "forces[1] is a motor of particle 0; forces[0]",
+        ),
+        (
+            [jostle.Motor(walls=[1]), jostle.Thermostat(1, 0), jostle.Motor([0], walls=[1])],
+            "forces[2] is a motor of wall 1; forces[0] drives it already",
+        ),
+    ):
+        with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
+            driven.forces = twice
+        assert driven.forces == ()
+    driven.forces = [jostle.Motor([0], walls=[1]), jostle.Motor([1], walls=[0])]
+
+
+def test_what_was_driven_keeps_its_velocity_and_cycles_follow_the_time_of_the_world() -> None:
+    driven = world(forces=[jostle.Motor([0], velocity=(1, 0), cycle=4)])
+    driven.step(0.5, 2)
+    driven.forces = []
+    start = driven.positions[0]
+    driven.step(0.5, 4)
+    assert (driven.positions[0] - start).tolist() == pytest.approx([2, 0])
+    assert driven.velocities[0].tolist() == [1, 0] and driven.time == 3
+    # At 3 s the second half of the cycle goes on, whenever the motor is assigned.
+    driven.forces = [jostle.Motor([0], velocity=(1, 0), cycle=4)]
+    driven.step(0.5)
+    assert driven.velocities[0].tolist() == [-1, 0]
 
 
 @pytest.mark.parametrize("velocity", [(0, 1), (0, 0)])

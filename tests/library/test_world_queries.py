@@ -305,3 +305,47 @@ def test_a_copy_has_the_same_answers() -> None:
     world_copy = jostle.World.restore(world.snapshot())
     world.step(1.0)
     assert are_equal(answers(world_copy), before)
+
+
+def indices_of_four() -> list[Any]:
+    """Return all classes that answer queries, with four shapes along the x axis."""
+    places = [(3.0 * k, 0.0) for k in range(4)]
+    space = jostle.Space()
+    space.add(places, 1.0)
+    world = jostle.World(places, 1.0)
+    world.walls.add([((x, -1), (x, 1)) for x, _ in places])
+    return [jostle.Quadtree(places, 1.0), space, world, world.walls]
+
+
+QUERIES: dict[str, Any] = {
+    "nearest": lambda of, **more: of.nearest((0, 0), 4, **more).ids,
+    "query_circle": lambda of, **more: of.query_circle((0, 0), 20, **more),
+    "query_rect": lambda of, **more: of.query_rect((-9, -9, 20, 9), **more),
+    "query_polygon": lambda of, **more: of.query_polygon(
+        [(-9, -9), (20, -9), (20, 9), (-9, 9)], **more
+    ),
+    "raycast": lambda of, **more: [of.raycast((-5, 0), (1, 0), **more).id],
+    "raycast_all": lambda of, **more: of.raycast_all((-5, 0), (1, 0), **more).ids,
+    "shape_cast": lambda of, **more: [of.shape_cast((-5, 0), (1, 0), radii=0.5, **more).id],
+}
+
+
+@pytest.mark.parametrize("query", QUERIES)
+def test_an_id_that_nothing_has_excludes_nothing(query: str) -> None:
+    """-1 above all, and ids that were removed: the owner of a bullet may be gone."""
+    for of in indices_of_four():
+        if not hasattr(of, query):
+            continue
+        if hasattr(of, "remove"):
+            of.remove(2)
+        ask = QUERIES[query]
+        every = list(ask(of))
+        assert 0 in every
+        for nothing in (None, -1, -2, -7, 2, 99, 2**62):
+            if not (nothing == 2 and isinstance(of, jostle.Quadtree)):
+                assert list(ask(of, exclude=nothing)) == every, (of, nothing)
+        assert 0 not in list(ask(of, exclude=0)), of
+        with pytest.raises(ValueError, match=r"^exclude has 2 ids; it must be one id, as there is"):
+            ask(of, exclude=[0, 1])
+        with pytest.raises(jostle.IdError, match=f"^exclude is {2**70}; no shape has this id"):
+            ask(of, exclude=2**70)

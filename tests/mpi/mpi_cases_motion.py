@@ -192,6 +192,7 @@ def test_given() -> None:
     for name, world in (
         ("gas", gas(200)),
         ("pile", gas(150, **rest)),
+        ("rough", gas(150, friction=0.5, **rest)),
         ("merging", gas(200, on_touch="merge", movable=np.arange(200) % 9 > 0)),
     ):
         ours = scattered(world, unevenly, every=3)
@@ -207,8 +208,11 @@ def test_given() -> None:
             ids = world.ids[np.arange(30) * 7 % 20]
             own = ids[comm().rank :: comm().size]
             all_ids = np.concatenate([ids[rank :: comm().size] for rank in range(comm().size)])
-            world.apply_force(all_ids, by_id[all_ids])
-            ours.apply_force(own, by_id[own])
+            # Torques move with the particles, too.
+            points = np.random.default_rng(call).uniform(0, 40, by_id.shape)
+            at, of = (None, {}) if call == 2 else (points[all_ids], {"points": points[own]})
+            world.apply_force(all_ids, by_id[all_ids], at)
+            ours.apply_force(own, by_id[own], **of)
             step_alike(name, ours, world, 1 / 60, 5, gathers=call == 1)
             assert not ours.accelerations.any()
         step_alike(name, ours, world, 1 / 60, 5)

@@ -433,7 +433,7 @@ pub fn half_of<T: Scalar>(distance: T) -> Result<T> {
     if half == T::ZERO && distance == T::ZERO || (half >= min && half <= max) {
         return Ok(half);
     }
-    let [min, max] = [min, max].map(|limit| 2.0 * limit.to_f64());
+    let [min, max] = [min, max].map(|limit| T::from_f64(2.0) * limit);
     let rule = format!("it must be 0, or between {min:e} and {max:e}");
     Err(Error::of("distance", distance, &rule))
 }

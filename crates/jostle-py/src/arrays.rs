@@ -24,7 +24,7 @@ use crate::error::{type_error, value_error};
 use crate::masked::refuse_masked;
 pub use results::{Widen, column, decimal, long, matrix, read_only, segments, table};
 use scalars::is_truth;
-pub use scalars::{count, long_ids, number, point, single_mask, truth, word};
+pub use scalars::{count, long_ids, number, point, single_mask, too_long_id, truth, word};
 pub use shapes::{PointLists, bit_sets, reals};
 
 /// An argument that may be omitted. None is a value, not an omission.

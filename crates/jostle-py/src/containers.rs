@@ -5,7 +5,7 @@ use jostle_index::Each;
 use jostle_world::{Container, Sides, Surface};
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -73,7 +73,7 @@ impl PyBox {
         given.end()?;
         let min = [number("min_x", &min_x)? as f32, number("min_y", &min_y)? as f32];
         let max = [number("max_x", &max_x)? as f32, number("max_y", &max_y)? as f32];
-        Container::Box { min, max }.validate().map_err(refused)?;
+        valid(Container::Box { min, max })?;
         let sides = sides(restitution.as_ref(), friction.as_ref())?;
         sides.validate(false).map_err(refused)?;
         Ok(Self { min, max, sides })
@@ -191,7 +191,7 @@ impl PyCircle {
         let [restitution, friction] = given.take_all(["restitution", "friction"]);
         given.end()?;
         let (center, radius) = (point("center", &center)?, number("radius", &radius)? as f32);
-        Container::Circle { center, radius }.validate().map_err(refused)?;
+        valid(Container::Circle { center, radius })?;
         let sides = sides(restitution.as_ref(), friction.as_ref())?;
         sides.validate(true).map_err(refused)?;
         Ok(Self { center, radius, sides })
@@ -233,6 +233,14 @@ impl PyCircle {
     fn __repr__(&self) -> String {
         format!("Circle({:?}, {:?}{})", self.place(), self.radius(), text(&self.sides))
     }
+}
+
+/// Refuses a container that is not finite or encloses no area, with its class.
+fn valid(container: Container) -> PyResult<()> {
+    container.validate().map_err(|error| match error {
+        Error::Value { value, rule, .. } => PyValueError::new_err(format!("{value}: {rule}")),
+        other => refused(other),
+    })
 }
 
 /// What a box and a circle have alike.

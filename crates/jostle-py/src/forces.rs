@@ -12,7 +12,6 @@ mod springs;
 mod thermal_walls;
 mod thermostat;
 
-use jostle_base::Id;
 use jostle_base::error::Result;
 use jostle_world::Influence;
 use pyo3::prelude::*;
@@ -79,12 +78,6 @@ classes! {
 fn valid<V>(own: V, validate: fn(&V) -> Result<()>) -> PyResult<V> {
     validate(&own).map_err(refused)?;
     Ok(own)
-}
-
-/// The id of a particle.
-fn one_id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Id> {
-    let id = count(name, value, 0)?;
-    Id::try_from(id).map_err(|_| value_error(name, id, "the id of a particle"))
 }
 
 /// A real number.

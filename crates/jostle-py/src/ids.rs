@@ -3,15 +3,31 @@
 use jostle_base::Id;
 use jostle_index::Each;
 use pyo3::IntoPyObjectExt;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
-use crate::arrays::{column, long_ids};
+use crate::arrays::{column, long_ids, too_long_id};
 use crate::error::type_error;
 use crate::queries::result_of;
 
+/// The argument that is one id; `of` is what it identifies, for error messages: "particle".
+pub fn one_id(name: &str, value: &Bound<'_, PyAny>, of: &str) -> PyResult<Id> {
+    let refused = |error: PyErr| {
+        let is_type = error.is_instance_of::<PyTypeError>(value.py());
+        if is_type { type_error(name, "an integer", value) } else { too_long_id(name, value, of) }
+    };
+    if value.is_instance_of::<PyBool>() {
+        return Err(type_error(name, "an integer", value));
+    }
+    match value.extract::<Id>().map_err(refused)? {
+        id if id < 0 => Err(too_long_id(name, id, of)),
+        id => Ok(id),
+    }
+}
+
 /// The left operand of `in`; None if it cannot be an id. `hint` says how to test many ids.
-pub fn one_id(value: &Bound<'_, PyAny>, hint: &str) -> PyResult<Option<Id>> {
+pub fn left_operand(value: &Bound<'_, PyAny>, hint: &str) -> PyResult<Option<Id>> {
     if !value.is_instance_of::<PyString>() && value.len().is_ok() {
         return Err(type_error("the left side of `in`", &format!("one id; {hint}"), value));
     }

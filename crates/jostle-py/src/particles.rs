@@ -146,6 +146,15 @@ pub fn vectors(
     value.map(|value| Argument::reals(name, value)?.pairs(len)).transpose()
 }
 
+/// As [`vectors`], also from one pair for all.
+pub fn one_or_vectors(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Vec<[f32; 2]>>> {
+    value.map(|value| Ok(Argument::reals(name, value)?.one_or_pairs(len)?.rows(len))).transpose()
+}
+
 /// A single pair of float32; `of` names the object that it belongs to, for error messages.
 pub fn only_vector(
     name: &'static str,

@@ -4,6 +4,7 @@ use jostle_base::Error;
 use jostle_index::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, Rect};
 use jostle_index::{Each, Scalar};
 use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
@@ -26,7 +27,7 @@ pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
     value.map(|value| single_mask("mask", value)).transpose()
 }
 
-/// The ids that queries do not find; None excludes nothing.
+/// The ids that queries do not find; None excludes nothing, and so does an id that nothing has.
 pub fn excluded(value: Maybe<'_, '_>) -> PyResult<Option<Each<i64>>> {
     value.map(|value| long_ids("exclude", value, "shape")).transpose()
 }
@@ -53,7 +54,17 @@ fn max_distances<T: Scalar + Element>(
 /// The result of a call as a Python result. If the argument was a single id or query, an error
 /// names no row.
 pub fn result_of<V>(result: jostle_base::Result<V>, single: bool) -> PyResult<V> {
-    result.map_err(|error| if single { error.without_row() } else { error }).map_err(refused)
+    result.map_err(|error| match error {
+        Error::Length { argument: argument @ "exclude", found, expected } => {
+            let rule = match single {
+                true => "it must be one id, as there is one query".to_string(),
+                false => format!("it must be one id, or {expected}, one for each query"),
+            };
+            PyValueError::new_err(format!("{argument} has {found} ids; {rule}"))
+        }
+        error if single => refused(error.without_row()),
+        error => refused(error),
+    })
 }
 
 /// Makes regions and searches them; returns the ids of `many` regions, or of one.
@@ -77,7 +88,7 @@ fn region<'py, R: Send, I: Send + Into<i64>>(
     };
     let hits = detached(py, answer)??;
     if many {
-        results::hits(py, hits.map_err(refused)?)
+        results::hits(py, result_of(hits, false)?)
     } else {
         Ok(column(py, result_of(hits, true)?.ids).into_any())
     }

@@ -24,7 +24,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::arrays::{Given, number};
 use crate::error::{refused, value_error};
-use crate::ids::one_id;
+use crate::ids::left_operand;
 use crate::interrupt::detached;
 use crate::keywords::Keywords;
 use crate::lock::Shared;
@@ -140,7 +140,7 @@ impl PySpace {
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
-        let id = one_id(id, "np.isin(ids, space.ids) tests many")?;
+        let id = left_operand(id, "np.isin(ids, space.ids) tests many")?;
         let Some(id) = id else { return Ok(false) };
         with_space!(self, space => Ok(space.lock_attached(py)?.contains(id)))
     }

@@ -27,7 +27,7 @@ use crate::arrays::{number, point};
 use crate::containers;
 use crate::error::refused;
 use crate::forces;
-use crate::ids::one_id;
+use crate::ids::left_operand;
 use crate::interrupt::detached_to_the_end;
 use crate::keywords::Keywords;
 use crate::lock::{Guard, Shared};
@@ -232,7 +232,7 @@ impl PyWorld {
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
-        let id = one_id(id, "np.isin(ids, world.ids) tests many")?;
+        let id = left_operand(id, "np.isin(ids, world.ids) tests many")?;
         id.map_or(Ok(false), |id| Ok(self.state(py)?.world.bodies().contains(id)))
     }
 

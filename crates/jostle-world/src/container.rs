@@ -19,6 +19,9 @@ pub const FIRST_SIDE: i64 = -2;
 /// Number of sides that callers know: those of a box, and the rim of a round container.
 pub const KNOWN_SIDES: usize = MAX_SIDES + 1;
 
+/// The names of these, as callers know them.
+pub const SIDE_NAMES: [&str; KNOWN_SIDES] = ["MIN_X", "MAX_X", "MIN_Y", "MAX_Y", "RIM"];
+
 /// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Container {

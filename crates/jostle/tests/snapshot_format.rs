@@ -69,7 +69,7 @@ fn asleep() -> World {
     let mut flying = discs(&[([16.0, 5.0], [1.0, -2.0]), ([14.0, 9.0], [0.5, 4.0])], 0.5);
     flying.movable[1] = true;
     world.add(flying).expect("valid");
-    world.add_forces(&[10], &[[0.5, -0.25]]).expect("valid");
+    world.add_forces(&[10], &[[0.5, -0.25]], Some(&[[1.0, 2.0]])).expect("valid");
     world.set_attachment(Some("{\"name\": \"µ\"}".to_owned()));
     run(&mut world, 20);
     world

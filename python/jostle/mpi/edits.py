@@ -84,32 +84,41 @@ def accelerate(comm: MPI.Intracomm, core: Any, accelerations: ArrayLike | None) 
         core.accelerations = own
 
 
-def push(comm: MPI.Intracomm, core: Any, ids: ArrayLike, forces: ArrayLike) -> None:
+def push(
+    comm: MPI.Intracomm, core: Any, ids: ArrayLike, forces: ArrayLike, points: ArrayLike | None
+) -> None:
     """Add forces on the particles with the ids that any rank gives."""
-    with together(comm):
-        own = _read_ids(ids)
-        rows = np.zeros(len(own), [("id", np.int64), ("force", np.float32, 2)])
-        rows["id"] = own
-        rows["force"] = _vectors("forces", forces, len(own), is_one=np.ndim(ids) == 0)
-    rows = joined(comm, rows)
-    _check(comm, core, rows["id"], may_repeat=True)
-    core._drop_ghosts()
-    rows = rows[np.isin(rows["id"], core._own_ids()[0])]
+    rows, found = _gathered(comm, core, ids, "forces", forces, points)
     with passed_on(comm):
-        core.apply_force(_rows_of(core, rows["id"]), rows["force"])
+        core.apply_force(_rows_of(core, rows["id"]), rows["vector"], found)
 
 
 def hit(
     comm: MPI.Intracomm, core: Any, ids: ArrayLike, impulses: ArrayLike, points: ArrayLike | None
 ) -> None:
     """Give impulses to the particles with the ids that any rank gives."""
+    rows, found = _gathered(comm, core, ids, "impulses", impulses, points)
+    with passed_on(comm):
+        core.apply_impulse(_rows_of(core, rows["id"]), rows["vector"], found)
+    core._agree_on_losses()
+
+
+def _gathered(
+    comm: MPI.Intracomm,
+    core: Any,
+    ids: ArrayLike,
+    name: str,
+    vectors: ArrayLike,
+    points: ArrayLike | None,
+) -> tuple[NDArray[Any], NDArray[np.float32] | None]:
+    """The ids and vectors of all ranks for this rank's particles, and the points, if any."""
     with together(comm):
         own = _read_ids(ids)
-        vectors = [("impulse", np.float32, 2), ("point", np.float32, 2)]
-        rows = np.zeros(len(own), [("id", np.int64), *vectors])
+        both = [("vector", np.float32, 2), ("point", np.float32, 2)]
+        rows = np.zeros(len(own), [("id", np.int64), *both])
         rows["id"] = own
         is_one = np.ndim(ids) == 0
-        rows["impulse"] = _vectors("impulses", impulses, len(own), is_one=is_one)
+        rows["vector"] = _vectors(name, vectors, len(own), is_one=is_one)
         rows["point"] = _vectors("points", points, len(own), is_one=is_one)
     given = {
         are_given for count, are_given in comm.allgather((len(own), points is not None)) if count
@@ -120,10 +129,7 @@ def hit(
     _check(comm, core, rows["id"], may_repeat=True)
     core._drop_ghosts()
     rows = rows[np.isin(rows["id"], core._own_ids()[0])]
-    with passed_on(comm):
-        found = rows["point"] if True in given else None
-        core.apply_impulse(_rows_of(core, rows["id"]), rows["impulse"], found)
-    core._agree_on_losses()
+    return rows, rows["point"] if True in given else None
 
 
 def _rows_of(core: Any, ids: NDArray[np.int64]) -> NDArray[np.intp]:
@@ -137,14 +143,16 @@ def _rows_of(core: Any, ids: NDArray[np.int64]) -> NDArray[np.intp]:
 def _vectors(
     name: str, values: ArrayLike | None, count: int, is_one: bool = False
 ) -> NDArray[np.float32]:
-    """Return `values` as `count` pairs of float32: one pair if `is_one`, zeros for None."""
+    """Return `values` as `count` pairs of float32, of one pair for all; zeros for None."""
     shape = (2,) if is_one else (count, 2)
     array = np.zeros(shape) if values is None else np.asarray(values)
     if array.size and array.dtype.kind not in "biuf":
         raise TypeError(f"{name} must hold real numbers, not {array.dtype}")
-    if array.shape != shape and not array.size == count == 0:
+    if array.shape not in (shape, (2,)) and not array.size == count == 0:
         raise ValueError(f"{name} has shape {array.shape}; it must be {shape}")
-    vectors = array.reshape(count, 2).astype(np.float32)
+    if not array.size:
+        array = np.zeros(shape)
+    vectors = np.broadcast_to(array, (count, 2)).astype(np.float32)
     wrong = np.flatnonzero(~(np.abs(vectors) <= _FARTHEST).all(axis=1))
     if len(wrong):
         x, y = vectors[wrong[0]].tolist()

@@ -83,8 +83,8 @@ def state_hash(comm: MPI.Intracomm, core: Any) -> int:
 def gathered(comm: MPI.Intracomm, core: Any, root: int) -> jostle.World | None:
     """A world of the particles of all ranks, in the order of ids; None on ranks but `root`."""
     count, ids, _ = core._own()
-    given = np.zeros(count, [("id", np.int64), ("acceleration", np.float32, 2)])
-    given["id"], given["acceleration"] = ids[:count], core.accelerations[:count]
+    given = np.zeros(count, [("id", np.int64), ("acceleration", np.float32, 3)])
+    given["id"], given["acceleration"] = ids[:count], core._given()[:count]
     all_rows = []
     for rows in (*parts_of(core), given):
         to = [rows[:0]] * comm.size
@@ -97,7 +97,7 @@ def gathered(comm: MPI.Intracomm, core: Any, root: int) -> jostle.World | None:
     world = core._of_records(records)
     world._set_ids(all_rows[0]["id"].copy(), core._own_ids()[1])
     world._take_kept(*kept)
-    world.accelerations = accelerations
+    world._give(accelerations)
     return cast(jostle.World, world)
 
 

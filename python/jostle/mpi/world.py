@@ -362,7 +362,9 @@ class World:
         edits.change(self._comm, self._core, ids, **columns)
 
     @collective
-    def apply_force(self, /, ids: ArrayLike, forces: ArrayLike) -> None:
+    def apply_force(
+        self, /, ids: ArrayLike, forces: ArrayLike, points: ArrayLike | None = None
+    ) -> None:
         """Add given forces on some particles of any rank, for the next call of `step`.
 
         Parameters
@@ -370,13 +372,16 @@ class World:
         ids : int or array_like of int, shape (k,)
             Those that this rank gives, of particles of any rank; k may be 0. A call equals one of
             `jostle.World.apply_force` with the ids of rank 0, then those of rank 1, and so on.
-        forces : array_like, shape (k, 2), or (2,) for one id
+        forces : array_like, shape (k, 2), or (2,) for one id or as one for all
             In units of mass times length per second², see `jostle.World.apply_force`.
+        points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
+            Where each acts. All ranks that give ids give points, or none does.
 
         Raises
         ------
         IdError, TypeError, ValueError
-            As by `jostle.World.apply_force`; then nothing changes on any rank.
+            As by `jostle.World.apply_force`, or if only some ranks give points; then nothing
+            changes on any rank.
         RankError
             If another rank raises one of these.
 
@@ -384,7 +389,7 @@ class World:
         --------
         accelerations : Those of all particles.
         """
-        edits.push(self._comm, self._core, ids, forces)
+        edits.push(self._comm, self._core, ids, forces, points)
 
     @collective
     def apply_impulse(
@@ -397,9 +402,9 @@ class World:
         ids : int or array_like of int, shape (k,)
             Those that this rank gives, of particles of any rank; k may be 0. A call equals one of
             `jostle.World.apply_impulse` with the ids of rank 0, then those of rank 1, and so on.
-        impulses : array_like, shape (k, 2), or (2,) for one id
+        impulses : array_like, shape (k, 2), or (2,) for one id or as one for all
             In units of mass times length per second, see `jostle.World.apply_impulse`.
-        points : array_like, shape (k, 2), or (2,) for one id, optional
+        points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
             Where each acts. All ranks that give ids give points, or none does.
 
         Raises
@@ -420,7 +425,8 @@ class World:
     def accelerations(self) -> NDArray[np.float32]:
         """Given accelerations in the next call of `step`: ndarray of float32, shape (n, 2).
 
-        They are in the order of `ids`. Assigning an array of this shape, or None for zeros, is a
+        They are in the order of `ids`. Assigning an array of this shape, one vector for all of this
+        rank, or None for zeros, is a
         collective call, which replaces what was given before; see `jostle.World.accelerations`.
         """
         given: NDArray[np.float32] = self._core.accelerations

@@ -473,6 +473,18 @@ class LastCall(Result):
     ----------
     J. J. Erpenbeck, W. W. Wood, *Molecular dynamics techniques for hard-core systems*, in: Modern
     Theoretical Chemistry 6 (1977), for the virial of collisions.
+
+    Examples
+    --------
+    The force on the floor of a box, and on its left side:
+
+    >>> box = jostle.Box(0, 0, 9, 9)
+    >>> world = jostle.World([(4, 1)], 1.0, gravity=(0, -10), restitution=0.0, container=box)
+    >>> world.step(1 / 60, steps=30)
+    >>> normal = world.last_call.side_impulses[:, 0] / world.last_call.duration
+    >>> Side = jostle.Side
+    >>> normal[-2 - Side.MIN_Y].round(2).item(), normal[-2 - Side.MIN_X].item()
+    (10.0, 0.0)
     """
 
     __slots__ = (

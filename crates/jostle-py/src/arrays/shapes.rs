@@ -149,7 +149,7 @@ impl Argument<'_> {
                 Ok(points.chunks_exact(2).map(|two| [two[0], two[1]]).collect())
             }
             [0] => Ok(Vec::new()),
-            _ => Err(self.wrong_shape("(m, 2, 2)")),
+            _ => Err(self.wrong_shape("(m, 2, 2), each segment as ((x, y), (x, y))")),
         }
     }
 

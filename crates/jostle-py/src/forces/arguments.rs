@@ -98,10 +98,22 @@ pub fn repr(class: &Bound<'_, PyType>, (positional, keywords): Arguments<'_>) ->
     }
     for (keyword, value) in keywords {
         if !value.is_none() && (value.len().is_err() || !value.is_empty()?) {
-            all.push(format!("{keyword}={}", value.repr()?));
+            all.push(format!("{keyword}={}", shown(&value)?));
         }
     }
     Ok(format!("{}({})", class.name()?, all.join(", ")))
+}
+
+/// The repr of a value; that of a tuple of sides has their names alone, which are expressions.
+fn shown(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let side = value.py().import("jostle")?.getattr("Side")?;
+    let Ok(all) = value.cast::<PyTuple>() else { return Ok(value.repr()?.to_string()) };
+    if !all.get_item(0)?.is_instance(&side)? {
+        return Ok(all.repr()?.to_string());
+    }
+    let names = all.iter().map(|of| Ok(format!("Side.{}", of.getattr("name")?)));
+    let names = names.collect::<PyResult<Vec<_>>>()?;
+    Ok(if let [one] = &names[..] { format!("({one},)") } else { format!("({})", names.join(", ")) })
 }
 
 /// A value that becomes an attribute.
@@ -131,10 +143,18 @@ shows! {
     Vec<[Id; 2]>: |py, value| Ok(read_only(table(py, value)?).into_any());
     Array3<f32>: |py, value| Ok(read_only(value.into_pyarray(py)).into_any());
     Numbers: |py, value| Ok(PyTuple::new(py, value.0)?.into_any());
+    Sides: |py, value| {
+        let side = py.import("jostle")?.getattr("Side")?;
+        let all = value.0.into_iter().map(|id| side.call1((id,))).collect::<PyResult<Vec<_>>>()?;
+        Ok(PyTuple::new(py, all)?.into_any())
+    };
 }
 
 /// Whole numbers as a tuple.
 pub struct Numbers(pub Vec<i64>);
+
+/// Sides of a container by their ids, as a tuple of `jostle.Side`.
+pub struct Sides(pub Vec<i64>);
 
 impl<S: Show> Show for Option<S> {
     fn show(self, py: Python<'_>) -> Shown<'_> {

@@ -6,9 +6,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
-use super::{one_id, real, valid};
+use super::{real, valid};
 use crate::arrays::{Given, point, word};
 use crate::error::value_error;
+use crate::ids::one_id;
 use crate::keywords::Keywords;
 
 /// A force towards a point or a particle.
@@ -73,7 +74,7 @@ impl PyAttractor {
         given.end()?;
         let pole = match (&point, &particle) {
             (Some(point), None) => Pole::Point(self::point("point", point)?),
-            (None, Some(particle)) => Pole::Particle(one_id("particle", particle)?),
+            (None, Some(particle)) => Pole::Particle(one_id("particle", particle, "particle")?),
             _ => {
                 let rule = "an Attractor needs either a point or a particle";
                 return Err(PyTypeError::new_err(rule));

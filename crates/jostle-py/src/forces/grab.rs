@@ -5,8 +5,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use super::arguments::{arguments, plain_arguments};
-use super::{one_id, real, real_or, valid};
+use super::{real, real_or, valid};
 use crate::arrays::point;
+use crate::ids::one_id;
 use crate::keywords::Keywords;
 
 /// A force that pulls a particle to a point, for instance to the mouse.
@@ -76,7 +77,7 @@ impl PyGrab {
         let max_force = given.given("max_force");
         given.end()?;
         let grab = Grab {
-            id: one_id("id", &id)?,
+            id: one_id("id", &id, "particle")?,
             point: self::point("point", &point)?,
             rate: real("rate", &rate)?,
             max_force: real_or("max_force", &max_force, f32::INFINITY)?,

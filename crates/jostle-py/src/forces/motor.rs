@@ -40,7 +40,7 @@ use crate::keywords::Keywords;
 /// ValueError
 ///     If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
 ///     not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
-///     particle is movable.
+///     particle is movable, or another motor drives the same particle or wall.
 /// IdError
 ///     When it is assigned to `World.forces`, if a particle or a wall does not exist.
 ///
@@ -54,6 +54,11 @@ use crate::keywords::Keywords;
 /// velocities that lead to the position at its end. On a circle a step is a chord, so the angle per
 /// step should be small. Particles and walls that are moved between calls continue from their new
 /// position.
+///
+/// The time is that of the world, not that since the motor was assigned: with a `cycle` one that is
+/// assigned at the time t begins in the phase ``t % cycle``. Particles and walls keep the velocity of
+/// the last step when their motor is taken out of `World.forces`; set their velocities to 0 to stop
+/// them.
 ///
 /// Examples
 /// --------

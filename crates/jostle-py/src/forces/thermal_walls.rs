@@ -2,12 +2,12 @@
 
 use jostle_base::Error;
 use jostle_index::Each;
-use jostle_world::container::{FIRST_SIDE, KNOWN_SIDES};
+use jostle_world::container::{FIRST_SIDE, KNOWN_SIDES, SIDE_NAMES};
 use jostle_world::forces::{ThermalWalls, WallIds};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use super::arguments::{Numbers, arguments, plain_arguments};
+use super::arguments::{Numbers, Sides, arguments, plain_arguments};
 use super::{read_seed, real, valid};
 use crate::arrays::long_ids;
 use crate::error::refused;
@@ -72,7 +72,7 @@ use crate::keywords::Keywords;
 /// >>> world.forces = [hot, cold]
 /// >>> world.step(1 / 60, steps=10)
 /// >>> hot
-/// ThermalWalls(4.0, sides=(-2,), seed=0)
+/// ThermalWalls(4.0, sides=(Side.MIN_X,), seed=0)
 ///
 /// A hot plate in the middle of the box:
 ///
@@ -112,9 +112,9 @@ arguments! {
         temperature: |own| own.0.temperature;
     }
     keywords {
-        /// The sides of the container that have it: a tuple of int, values of `Side`. All of them stand for
-        /// those that the container has.
-        sides: |own| Numbers(own.0.side_ids().collect());
+        /// The sides of the container that have it: a tuple of `Side`. All of them stand for those that the
+        /// container has.
+        sides: |own| Sides(own.0.side_ids().collect());
         /// The ids of the walls that have it: a tuple of int.
         walls: |own| Numbers(own.0.walls.0.clone());
         /// The seed of the random numbers.
@@ -136,8 +136,10 @@ fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; KNOWN_SIDES]> {
                 continue;
             }
             Some(_) => "it is given twice",
-            None => "a side of a container is one of jostle.Side, -2 to -6",
+            None => "a side of a container is one of jostle.Side, MIN_X = -2 to RIM = -6",
         };
+        let id =
+            side.and_then(|side| SIDE_NAMES.get(side)).map_or(id.to_string(), ToString::to_string);
         let error = if is_single {
             Error::of("sides", id, rule)
         } else {

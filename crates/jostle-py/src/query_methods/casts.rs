@@ -20,7 +20,8 @@ macro_rules! cast_methods {
             ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
             /// exclude : int or array_like of int, shape (k,), optional
             ///     An id that rays pass, one for all or one for each, such as that of the shape in which a
-            ///     ray starts; -1 is none.
+            ///     ray starts; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------
@@ -98,7 +99,8 @@ macro_rules! cast_methods {
             /// mask : int, optional
             ///     Hit only shapes with a category in this set of bits.
             /// exclude : int or array_like of int, shape (k,), optional
-            ///     An id that rays pass, one for all or one for each; -1 is none.
+            ///     An id that rays pass, one for all or one for each; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------

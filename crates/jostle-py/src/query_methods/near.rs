@@ -17,7 +17,8 @@ macro_rules! near_methods {
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
             /// exclude : int or array_like of int, shape (n,), optional
-            ///     An id that is not found, one for all points or one for each; -1 is none.
+            ///     An id that is not found, one for all points or one for each; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------

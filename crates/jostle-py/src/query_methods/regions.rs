@@ -16,7 +16,8 @@ macro_rules! region_methods {
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
             /// exclude : int or array_like of int, shape (k,), optional
-            ///     An id that is not found, one for all queries or one for each; -1 is none.
+            ///     An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------
@@ -80,7 +81,8 @@ macro_rules! region_methods {
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
             /// exclude : int or array_like of int, shape (k,), optional
-            ///     An id that is not found, one for all queries or one for each; -1 is none.
+            ///     An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------
@@ -138,7 +140,8 @@ macro_rules! region_methods {
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
             /// exclude : int or array_like of int, shape (k,), optional
-            ///     An id that is not found, one for all queries or one for each; -1 is none.
+            ///     An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------
@@ -189,7 +192,8 @@ macro_rules! region_methods {
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
             /// exclude : int or array_like of int, shape (k,), optional
-            ///     An id that is not found, one for all queries or one for each; -1 is none.
+            ///     An id that is not found, one for all queries or one for each; -1 is none, as is an id
+            ///     that nothing has.
             ///
             /// Returns
             /// -------

@@ -9,7 +9,7 @@ use super::PyWorld;
 use crate::arrays::column;
 use crate::ids::Ids;
 use crate::keywords::Keywords;
-use crate::particles::{self, Arguments, only_vector, vectors};
+use crate::particles::{self, Arguments, one_or_vectors, only_vector};
 use crate::queries::result_of;
 use crate::results;
 
@@ -249,14 +249,14 @@ impl PyWorld {
     }
 }
 
-/// One pair for each id, or a single pair for one id.
+/// One pair for each id, or one for all.
 pub(super) fn vectors_of(
     ids: &Ids,
     name: &'static str,
     value: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Option<Vec<[f32; 2]>>> {
     if !ids.single {
-        return vectors(name, value, ids.all.len());
+        return one_or_vectors(name, value, ids.all.len());
     }
     value.map(|value| only_vector(name, value, "id")).transpose()
 }

@@ -11,21 +11,28 @@ use crate::arrays::{read_only, table};
 use crate::error::refused;
 use crate::ids::Ids;
 use crate::keywords::refuse_unknown;
-use crate::particles::vectors;
+use crate::particles::one_or_vectors;
 
 #[pymethods]
 impl PyWorld {
     /// Add given forces on some particles, for the next call of `step`.
     ///
-    /// They act at the centres during all steps of that call, beside gravity and `forces`, and end with
-    /// it. Forces on the same particle add up. They are kept by snapshots and files.
+    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
+    /// the same particle add up. They are kept by snapshots and files. A force F at a point also has
+    /// the torque r × F, where r is the offset of the point from the centre now, so the angular
+    /// acceleration is r × F/I with the moment of inertia I = m r²/2. Force and torque stay the same
+    /// while the particle moves and turns. If particles merge, their forces and torques add up.
     ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
-    ///     The particles; one may be given more than once. Immovable ones are not accelerated.
-    /// forces : array_like, shape (k, 2), or (2,) for one id
+    ///     The particles; one may be given more than once. Immovable ones, also those that move with a
+    ///     velocity of their own, are neither accelerated nor turned.
+    /// forces : array_like, shape (k, 2), or (2,) for one id or as one for all
     ///     In units of mass times length per second². A force wakes the particle.
+    /// points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
+    ///     Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
+    ///     image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
     ///
     /// Raises
     /// ------
@@ -48,15 +55,29 @@ impl PyWorld {
     /// >>> world.step(0.5, steps=2)
     /// >>> world.velocities.tolist()
     /// [[0.0, 0.0], [0.0, 3.0]]
+    ///
+    /// Two opposite forces at the ends of a diameter only turn the disc:
+    ///
+    /// >>> world.apply_force([0, 0], [(0, 1), (0, -1)], points=[(1, 0), (-1, 0)])
+    /// >>> world.step(0.5, steps=2)
+    /// >>> world.velocities[0].tolist(), world.angular_velocities[0].item()
+    /// ([0.0, 0.0], 2.0)
+    #[pyo3(signature = (ids, forces, points=None, **unknown), text_signature = "($self, ids, forces, points=None)")]
     fn apply_force(
         &self,
         py: Python<'_>,
         ids: &Bound<'_, PyAny>,
         forces: &Bound<'_, PyAny>,
+        points: Option<&Bound<'_, PyAny>>,
+        unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
+        refuse_unknown::<Self>("apply_force", unknown)?;
         let ids = Ids::read(ids, "particle")?;
         let forces = vectors_of(&ids, "forces", Some(forces))?.unwrap_or_default();
-        ids.result_of(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
+        let points = vectors_of(&ids, "points", points)?;
+        ids.result_of(
+            self.long(py, |state| state.world.add_forces(&ids.all, &forces, points.as_deref()))?,
+        )
     }
 
     /// Give impulses to some particles, at once.
@@ -69,9 +90,9 @@ impl PyWorld {
     /// ----------
     /// ids : int or array_like of int, shape (k,)
     ///     The particles; one may be given more than once. Immovable ones do not change.
-    /// impulses : array_like, shape (k, 2), or (2,) for one id
+    /// impulses : array_like, shape (k, 2), or (2,) for one id or as one for all
     ///     In units of mass times length per second. An impulse wakes the particle.
-    /// points : array_like, shape (k, 2), or (2,) for one id, optional
+    /// points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
     ///     Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
     ///     image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
     ///
@@ -119,8 +140,8 @@ impl PyWorld {
     /// Given accelerations in the next call of `step`: ndarray of float32, shape
     /// (n, 2), a read-only copy in units of length per second².
     ///
-    /// Assign an array of this shape before each call, or None for none; `apply_force` adds to it. They
-    /// act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+    /// Assign an array of this shape, or one vector for all, before each call, or None for none. It
+    /// replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
     /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
     /// the call.
     ///
@@ -148,7 +169,7 @@ impl PyWorld {
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let external = self.long(py, |state| {
             let mut external = memory::with_capacity(state.world.len())?;
-            external.extend_from_slice(state.world.external_accelerations());
+            external.extend(state.world.external_accelerations());
             external.resize(state.world.len(), [0.0; 2]);
             Ok(external)
         })?;
@@ -158,7 +179,7 @@ impl PyWorld {
     #[setter]
     fn set_accelerations(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let len = self.state(py)?.world.len();
-        let external = match vectors("accelerations", value, len)? {
+        let external = match one_or_vectors("accelerations", value, len)? {
             Some(external) => external,
             None => memory::filled(len, [0.0; 2]).map_err(refused)?,
         };

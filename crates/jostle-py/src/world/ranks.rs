@@ -4,7 +4,7 @@ use jostle_base::memory;
 use jostle_world::ranks;
 use jostle_world::ranks::{Traffic, read_records};
 use jostle_world::{StateHash, Touched};
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -187,6 +187,22 @@ impl PyWorld {
             Ok((table(py, pairs)?, table(py, categories.map_err(refused)?)?))
         };
         all.into_iter().map(columns).collect()
+    }
+
+    /// The given accelerations along x, along y and angular, in the order of rows. For `jostle.mpi`.
+    fn _given<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let all = self.long(py, |state| {
+            let mut all = memory::copy(state.world.all_external())?;
+            memory::resize(&mut all, state.world.len(), [0.0; 3])?;
+            Ok(all)
+        })?;
+        table(py, all.map_err(refused)?)
+    }
+
+    /// Replace them. For `jostle.mpi`.
+    fn _give(&self, py: Python<'_>, given: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
+        let all = given.as_array().rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect();
+        self.long(py, |state| state.world.set_all_external(all))?.map_err(refused)
     }
 
     /// The old and the new ids of own particles that merged. For `jostle.mpi`.

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use super::{PyWorld, State};
 use crate::arrays::{column, read_only, segments, table};
 use crate::error::refused;
-use crate::ids::{Ids, one_id, rows_of_any_shape};
+use crate::ids::{Ids, left_operand, rows_of_any_shape};
 use crate::keywords::Keywords;
 use crate::queries::result_of;
 use crate::results;
@@ -461,7 +461,7 @@ impl PyWalls {
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
-        let id = one_id(id, "np.isin(ids, world.walls.ids) tests many")?;
+        let id = left_operand(id, "np.isin(ids, world.walls.ids) tests many")?;
         id.map_or(Ok(false), |id| Ok(self.world().state(py)?.world.has_wall(id)))
     }
 

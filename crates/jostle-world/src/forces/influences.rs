@@ -369,8 +369,7 @@ impl Influences {
             if let Role::ThermalWalls(walls) = influence.role()
                 && let Some(rule) = walls.misfit(container)
             {
-                let sides: Vec<Id> = walls.side_ids().collect();
-                let value = format!("ThermalWalls with sides={sides:?}");
+                let value = format!("ThermalWalls of {}", walls.side_names().join(", "));
                 return Err(Error::at("forces", index, value, rule));
             }
         }

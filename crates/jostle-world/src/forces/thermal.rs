@@ -3,7 +3,7 @@
 use super::chance::Chance;
 use super::check_number;
 use super::record::{WallIds, record};
-use crate::container::{Container, FIRST_SIDE, KNOWN_SIDES};
+use crate::container::{Container, FIRST_SIDE, KNOWN_SIDES, SIDE_NAMES};
 use crate::particles::FARTHEST;
 use crate::walls::number_of;
 use jostle_base::error::{Error, Result};
@@ -43,6 +43,11 @@ impl ThermalWalls {
         (0..).zip(self.sides).filter(|(_, has_it)| *has_it).map(|(side, _)| FIRST_SIDE - side)
     }
 
+    /// The names of its sides.
+    pub fn side_names(&self) -> Vec<&'static str> {
+        SIDE_NAMES.into_iter().zip(self.sides).filter_map(|(of, has)| has.then_some(of)).collect()
+    }
+
     /// Whether a side or a wall has the temperature.
     pub(super) fn has_any(&self) -> bool {
         self.sides.contains(&true) || !self.walls.0.is_empty()
@@ -63,8 +68,8 @@ impl ThermalWalls {
         let [flat @ .., rim] = self.sides;
         let any = rim || flat.contains(&true);
         let (is_wrong, rule) = match container {
-            Container::Box { .. } => (rim, "a Box has no RIM, -6"),
-            Container::Circle { .. } => (flat.contains(&true), "a Circle has one side, RIM, -6"),
+            Container::Box { .. } => (rim, "a Box has no RIM"),
+            Container::Circle { .. } => (flat.contains(&true), "a Circle has one side, RIM"),
             Container::Torus { .. } => (any, "a periodic world has no sides"),
             Container::None => (any, "a world without a container has no sides"),
         };

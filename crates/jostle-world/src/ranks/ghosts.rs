@@ -50,8 +50,8 @@ pub(super) fn exchange_ghosts(world: &mut World, dt: f32) -> Result<bool> {
         // Bounds as in a step: velocity, gravity and forces of the caller. Collisions and
         // other forces are covered by the margin.
         let own = distance_at(world.bodies.awake.particles.velocities[index], dt);
-        let external = world.external.of(row);
-        let pulled = fall + distance_of_fall(external, dt);
+        let [x, y, _] = world.external.of(row);
+        let pulled = fall + distance_of_fall([x, y], dt);
         let usual = own + if world.bodies.awake.particles.movable[index] { pulled } else { 0.0 };
         let known =
             if domain.further.is_empty() { None } else { domain.further.get(&domain.id(row)) };

@@ -46,7 +46,7 @@ struct Details {
     island: Id,
     /// The rank of the member.
     rank: usize,
-    external: [f32; 2],
+    external: [f32; 3],
     is_exhausted: bool,
     /// The impulses of walls in the step.
     pushes: Vec<Push>,
@@ -68,7 +68,7 @@ struct Arrived {
 struct Merged {
     island: Id,
     particle: Particles,
-    external: [f32; 2],
+    external: [f32; 3],
     is_exhausted: bool,
     pushes: Vec<Push>,
     /// The index of the first member among those that have arrived.
@@ -224,7 +224,8 @@ fn unions(world: &World, arrived: &Arrived) -> Vec<Merged> {
     let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
     let merge = |members: &[usize]| {
         let particle = union(ends, members, &world.settings.container)?;
-        let external = members.iter().map(|&at| (ends.masses[at], details[at].external));
+        let external =
+            members.iter().map(|&at| ([ends.masses[at], ends.radii[at]], details[at].external));
         Some(Merged {
             island: details[members[0]].island,
             particle,

@@ -163,7 +163,7 @@ pub(super) fn rebalance(world: &mut World) -> Result<()> {
     let first = leave(world, &leaving.destinations);
     append_records(world, &records, true);
     if let Some(all) = &mut world.external.accelerations {
-        let new = external.chunks_exact(8).map(<[f32; 2]>::load);
+        let new = external.chunks_exact(<[f32; 3]>::SIZE).map(<[f32; 3]>::load);
         all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
     }
     let Some(domain) = domain_of(world) else { return Ok(()) };

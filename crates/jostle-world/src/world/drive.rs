@@ -1,5 +1,7 @@
 //! Motors drive immovable particles and walls.
 
+use std::collections::HashMap;
+
 use super::bodies::Bodies;
 use super::boundaries::Boundaries;
 use crate::forces::{Influences, Role};
@@ -42,7 +44,7 @@ pub(crate) fn drive(
                 continue;
             }
             let (index, all) = (index as usize, &mut bodies.awake.particles);
-            // Several motors may drive one particle. Each notes what it found, so restoring in
+            // Several motors may drive one particle that others have merged with. Each notes what it found, so restoring in
             // reverse order ends with the first velocity.
             before.particles.push((index, all.velocities[index], all.spin(index).velocity));
             let position = exact(all.positions[index], all.residuals[index]);
@@ -80,9 +82,10 @@ impl Driven {
     }
 }
 
-/// Refuses motors of movable particles.
+/// Refuses motors of movable particles, and two motors of one particle or wall.
 pub(crate) fn check_motors(influences: &Influences, bodies: &Bodies) -> Result<()> {
     let indices = bodies.indices()?;
+    let mut drivers: [HashMap<Id, usize>; 2] = [HashMap::new(), HashMap::new()];
     for (index, influence) in influences.list().iter().enumerate() {
         let Role::Motor(motor) = influence.role() else { continue };
         let is_movable = |&&id: &&Id| {
@@ -93,6 +96,16 @@ pub(crate) fn check_motors(influences: &Influences, bodies: &Bodies) -> Result<(
             let value = format!("a motor of particle {id}");
             let rule = "it drives immovable particles only";
             return Err(Error::at("forces", index, value, rule));
+        }
+        let driven = [("particle", &motor.ids), ("wall", &motor.walls.0)];
+        for ((noun, ids), drivers) in driven.into_iter().zip(&mut drivers) {
+            for &id in ids {
+                if let Some(other) = drivers.insert(id, index) {
+                    let value = format!("a motor of {noun} {id}");
+                    let rule = format!("forces[{other}] drives it already");
+                    return Err(Error::at("forces", index, value, &rule));
+                }
+            }
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Accelerations and forces that callers compute themselves. They act until they are replaced. In a distributed
+//! Accelerations, forces and torques that callers compute themselves. They act until they are replaced. In a distributed
 //! world all processes make the same calls, each for its own particles, and there are no ghosts.
 
 use super::World;
@@ -7,22 +7,27 @@ use super::bodies::ids::retain_unless;
 use super::distribution::Distribution;
 use crate::forces::Influences;
 use crate::halo::Halo;
+use crate::motion::exact;
 use crate::particles::{Particles, check_vectors};
+use crate::trajectory::vector;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory::{self, copy_option};
 use jostle_base::saved;
+use jostle_index::period::Period;
 
 /// The external accelerations, by row.
 #[derive(Debug, Default)]
 pub(crate) struct External {
-    /// None if there are none on any process.
-    pub(crate) accelerations: Option<Vec<[f32; 2]>>,
+    /// Along x, along y, and angular; None if there are none on any process.
+    pub(crate) accelerations: Option<Vec<[f32; 3]>>,
+    /// Whether any may be angular, on any process.
+    turns: bool,
     /// Those before the attempt at a step.
-    before: Option<Vec<[f32; 2]>>,
+    before: Option<Vec<[f32; 3]>>,
 }
 
-saved! { struct External { accelerations; before } }
+saved! { struct External { accelerations, turns; before } }
 
 impl External {
     /// Whether there are any, on any process.
@@ -30,13 +35,18 @@ impl External {
         self.accelerations.is_some()
     }
 
+    /// Whether any may be angular, on any process.
+    pub(crate) fn turns(&self) -> bool {
+        self.act() && self.turns
+    }
+
     /// Those of all rows; empty if there are none.
-    pub(crate) fn all(&self) -> &[[f32; 2]] {
+    pub(crate) fn all(&self) -> &[[f32; 3]] {
         self.accelerations.as_deref().unwrap_or_default()
     }
 
     /// That of a row.
-    pub(crate) fn of(&self, row: u32) -> [f32; 2] {
+    pub(crate) fn of(&self, row: u32) -> [f32; 3] {
         self.all().get(row as usize).copied().unwrap_or_default()
     }
 
@@ -50,14 +60,14 @@ impl External {
         std::mem::swap(&mut self.accelerations, &mut self.before);
     }
 
-    /// Changes the number of rows; new ones have no acceleration.
     /// Reserves memory for `len` rows.
     pub(crate) fn reserve(&mut self, len: usize) -> Result<()> {
         self.accelerations.iter_mut().try_for_each(|all| memory::reserve_len(all, len))
     }
 
+    /// Changes the number of rows; new ones have no acceleration.
     pub(crate) fn resize(&mut self, len: usize) {
-        self.accelerations.iter_mut().for_each(|all| all.resize(len, [0.0; 2]));
+        self.accelerations.iter_mut().for_each(|all| all.resize(len, [0.0; 3]));
     }
 
     /// Removes some rows.
@@ -66,7 +76,7 @@ impl External {
     }
 
     /// Sets that of a row, if there are any.
-    pub(crate) fn set(&mut self, row: u32, acceleration: [f32; 2]) {
+    pub(crate) fn set(&mut self, row: u32, acceleration: [f32; 3]) {
         if let Some(all) = &mut self.accelerations {
             all[row as usize] = acceleration;
         }
@@ -74,7 +84,7 @@ impl External {
 
     /// Removes all if they are 0 for all particles of all processes.
     pub(crate) fn end_if_zero(&mut self, halo: &dyn Halo) -> Result<()> {
-        let acts = self.all().iter().any(|external| *external != [0.0; 2]);
+        let acts = self.all().iter().any(|external| *external != [0.0; 3]);
         if self.act() && !halo.any(acts)? {
             self.accelerations = None;
         }
@@ -90,39 +100,42 @@ impl External {
         }
     }
 
-    /// Gives the smallest row of merging particles the sum of the forces on them over their mass.
+    /// Gives the smallest row of merging particles the accelerations by all forces and torques on them.
     pub(crate) fn merge(&mut self, particles: &Particles, rows: &[u32], indices: &[usize]) {
-        let own = |&index: &usize| (particles.masses[index], self.of(rows[index]));
+        let own = |&index: &usize| {
+            ([particles.masses[index], particles.radii[index]], self.of(rows[index]))
+        };
         let joint = joint_acceleration(indices.iter().map(own));
         let first = indices.iter().map(|&index| rows[index]).fold(u32::MAX, u32::min);
         self.set(first, joint);
     }
 
-    /// The accelerations with those by some more forces.
+    /// The accelerations with those by some more forces, which act at the centres or at points.
     fn with_forces(
         &self,
         bodies: &Bodies,
-        halo: &dyn Distribution,
-        (ids, newtons): (&[Id], &[[f32; 2]]),
-    ) -> Result<Vec<[f32; 2]>> {
+        (halo, period): (&dyn Distribution, Period<f64>),
+        (ids, newtons, points): (&[Id], &[[f32; 2]], Option<&[[f32; 2]]>),
+    ) -> Result<Vec<[f32; 3]>> {
         let rows = bodies.rows_of(ids)?;
         check_vectors("forces", newtons)?;
+        check_vectors("points", points.unwrap_or_default())?;
         // Sums are in float64, so that several forces on one particle are rounded once.
-        let mut sums: Vec<[f64; 2]> = memory::with_capacity(bodies.len())?;
+        let mut sums: Vec<[f64; 3]> = memory::with_capacity(bodies.len())?;
         sums.extend(self.all().iter().map(|own| own.map(f64::from)));
-        sums.resize(bodies.len(), [0.0; 2]);
+        sums.resize(bodies.len(), [0.0; 3]);
         let indices = bodies.indices()?;
-        for (&row, force) in rows.iter().zip(newtons) {
-            let row = row as usize;
-            let (all, at) = bodies.disc_at(indices[row] as usize);
-            let mass = f64::from(all.masses[at]);
-            sums[row] = [0, 1].map(|k| sums[row][k] + f64::from(force[k]) / mass);
+        for (nth, (&row, force)) in rows.iter().zip(newtons).enumerate() {
+            let (all, at) = bodies.disc_at(indices[row as usize] as usize);
+            let sum = &mut sums[row as usize];
+            let by = change_by(all, at, (*force, points.map(|points| points[nth])), &period);
+            *sum = [0, 1, 2].map(|k| sum[k] + by[k]);
         }
         let sums = memory::collect(sums.into_iter().map(|sum| sum.map(|a| a as f32)))?;
         // Forces in range may add up to an acceleration out of range, for instance of a small mass.
-        if let Some(index) =
-            rows.iter().position(|&row| check_vectors("forces", &[sums[row as usize]]).is_err())
-        {
+        let is_wrong =
+            |&row: &u32| check_vectors("forces", &vectors_of(sums[row as usize])).is_err();
+        if let Some(index) = rows.iter().position(is_wrong) {
             let what = "acceleration";
             return Err(too_large(bodies, halo, "forces", (index, newtons), rows[index], what));
         }
@@ -131,22 +144,34 @@ impl External {
 }
 
 impl World {
-    /// The external accelerations in the order of adding; empty if there are none.
-    pub fn external_accelerations(&self) -> &[[f32; 2]] {
+    /// The external accelerations in the order of adding, without angular ones; none if there are none.
+    pub fn external_accelerations(&self) -> impl ExactSizeIterator<Item = [f32; 2]> {
+        self.external.all().iter().map(|&[x, y, _]| [x, y])
+    }
+
+    /// All of them in the order of adding, along x, along y and angular; none if there are none.
+    pub fn all_external(&self) -> &[[f32; 3]] {
         self.external.all()
     }
 
-    /// Gives each particle an acceleration, beside those of forces and gravity, in place of the external one
-    /// before. Particles that are accelerated wake.
+    /// Gives each particle an acceleration, beside those of forces and gravity, in place of the external ones
+    /// before, angular ones included. Particles that are accelerated wake.
     pub fn set_accelerations(&mut self, accelerations: Vec<[f32; 2]>) -> Result<()> {
-        let (found, expected) = (accelerations.len(), self.len());
+        let all = memory::collect(accelerations.into_iter().map(|[x, y]| [x, y, 0.0]));
+        let all = tell_error(&*self.halo, all)?;
+        self.set_all_external(all)
+    }
+
+    /// As [`World::set_accelerations`], with angular ones.
+    pub fn set_all_external(&mut self, all: Vec<[f32; 3]>) -> Result<()> {
+        let (found, expected) = (all.len(), self.len());
         let checked = if found == expected {
-            check_vectors("accelerations", &accelerations)
+            check_external(&all)
         } else {
             Err(Error::Length { argument: "accelerations", found, expected })
         };
         tell_error(&*self.halo, checked)?;
-        replace(self, accelerations)
+        replace(self, all)
     }
 
     /// Ends all external accelerations.
@@ -154,9 +179,16 @@ impl World {
         self.external.accelerations = None;
     }
 
-    /// Adds forces on some particles to the external ones.
-    pub fn add_forces(&mut self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<()> {
-        let sums = self.external.with_forces(&self.bodies, &*self.halo, (ids, newtons));
+    /// Adds forces on some particles to the external ones. They act at the centres, or at points: then with the torque
+    /// about the present centre. Particles of radius 0 do not begin to rotate.
+    pub fn add_forces(
+        &mut self,
+        ids: &[Id],
+        newtons: &[[f32; 2]],
+        points: Option<&[[f32; 2]]>,
+    ) -> Result<()> {
+        let rules = (&*self.halo, self.settings.container.period().exact());
+        let sums = self.external.with_forces(&self.bodies, rules, (ids, newtons, points));
         let sums = tell_error(&*self.halo, sums)?;
         replace(self, sums)
     }
@@ -191,23 +223,26 @@ pub(crate) fn tell_error<V>(halo: &dyn Distribution, checked: Result<V>) -> Resu
 }
 
 /// Replaces the external accelerations; nothing accelerates immovable particles. Those that are accelerated wake.
-fn replace(world: &mut World, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
+fn replace(world: &mut World, mut accelerations: Vec<[f32; 3]>) -> Result<()> {
     for (row, index) in world.bodies.rows_and_indices() {
         if world.bodies.is_immovable(index) {
-            accelerations[row as usize] = [0.0; 2];
+            accelerations[row as usize] = [0.0; 3];
         }
     }
-    let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);
+    let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 3]);
     let mut rows: Vec<u32> = Vec::new();
     let listed = memory::extend(&mut rows, acts.map(|(row, _)| row));
     tell_error(&*world.halo, listed)?;
     // All ranks must make the same stages of a step, so all have external accelerations or
     // none.
-    let acts = world.halo().any(!rows.is_empty())?;
+    let turns = accelerations.iter().any(|&[_, _, turn]| turn != 0.0);
+    let counts = world.halo().sum([!rows.is_empty(), turns].map(u64::from))?;
+    let [acts, turns] = counts.map(|count| count > 0);
     if acts {
         world.halo.protocol().wake_edited(world, &mut [], &rows)?;
     }
     world.external.accelerations = acts.then_some(accelerations);
+    world.external.turns = turns;
     Ok(())
 }
 
@@ -216,13 +251,53 @@ pub(crate) fn has_accelerations(external: &External, influences: &Influences) ->
     external.act() || influences.has_forces()
 }
 
-/// The sum of the external forces on merging particles over their mass, from masses and accelerations.
-pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
-    let (mut mass, mut sum) = (0.0, [0.0; 2]);
-    for (own, external) in all {
-        let own = f64::from(own);
+/// The accelerations of a merged particle by the external forces and torques on its parts, from masses, radii and
+/// accelerations of these. The forces act at the joint centre.
+pub(crate) fn joint_acceleration(all: impl Iterator<Item = ([f32; 2], [f32; 3])>) -> [f32; 3] {
+    let (mut mass, mut square, mut force, mut torque) = (0.0, 0.0, [0.0; 2], 0.0);
+    for (of, external) in all {
+        let ([own, radius], [x, y, turn]) = (of.map(f64::from), external.map(f64::from));
         mass += own;
-        sum = [0, 1].map(|k| sum[k] + own * f64::from(external[k]));
+        square += radius * radius;
+        force = [force[0] + own * x, force[1] + own * y];
+        torque += own * radius * radius * turn;
     }
-    sum.map(|force| (force / mass) as f32)
+    // Half of the moments of inertia cancels. The areas add up, see `merge`.
+    let turn = if square > 0.0 { torque / (mass * square) } else { 0.0 };
+    let [x, y] = force.map(|force| force / mass);
+    [x, y, turn].map(|a| a as f32)
+}
+
+/// The changes of velocity and of angular velocity by an impulse on a particle, or the accelerations by a force. It acts
+/// at the centre, or at a point outside of it.
+pub(crate) fn change_by(
+    all: &Particles,
+    at: usize,
+    (impulse, point): ([f32; 2], Option<[f32; 2]>),
+    period: &Period<f64>,
+) -> [f64; 3] {
+    let (mass, radius) = (f64::from(all.masses[at]), f64::from(all.radii[at]));
+    let [u, v] = impulse.map(f64::from);
+    let mut turn = 0.0;
+    if let Some(point) = point
+        && radius > 0.0
+    {
+        let center = exact(all.positions[at], all.residuals[at]);
+        let [x, y] = period.minimum_image(vector(|k| f64::from(point[k]) - center[k]));
+        // The moment of inertia is m r²/2.
+        turn = (x * v - y * u) / (0.5 * mass * radius * radius);
+    }
+    [u / mass, v / mass, turn]
+}
+
+/// Refuses accelerations that are not finite or too large.
+pub(crate) fn check_external(all: &[[f32; 3]]) -> Result<()> {
+    (0..).zip(all).try_for_each(|(row, &of)| {
+        check_vectors("accelerations", &vectors_of(of)).map_err(|error| error.in_row(row))
+    })
+}
+
+/// An external acceleration as vectors whose numbers have limits.
+fn vectors_of([x, y, turn]: [f32; 3]) -> [[f32; 2]; 2] {
+    [[x, y], [turn, 0.0]]
 }

@@ -2,10 +2,8 @@
 
 use super::World;
 use super::edits::set_rows;
-use super::external::{tell_error, too_large};
-use crate::motion::exact;
+use super::external::{change_by, tell_error, too_large};
 use crate::particles::{Changes, Particles, check_vectors};
-use crate::trajectory::vector;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::memory;
@@ -101,18 +99,10 @@ impl World {
         if !all.movable[at] {
             return;
         }
-        let (mass, radius) = (f64::from(all.masses[at]), f64::from(all.radii[at]));
-        let impulse = impulse.map(f64::from);
-        pushed.velocities[at] = vector(|k| pushed.velocities[at][k] + impulse[k] / mass);
-        if let Some(point) = point
-            && radius > 0.0
-        {
-            let center = exact(all.positions[at], all.residuals[at]);
-            let arm = vector(|k| f64::from(point[k]) - center[k]);
-            let [x, y] = self.settings.container.period().exact().minimum_image(arm);
-            // The moment of inertia is m r²/2.
-            let moment = 0.5 * mass * radius * radius;
-            pushed.angular_velocities[at] += (x * impulse[1] - y * impulse[0]) / moment;
-        }
+        let period = self.settings.container.period().exact();
+        let [x, y, turn] = change_by(all, at, (impulse, point), &period);
+        let [u, v] = pushed.velocities[at];
+        pushed.velocities[at] = [u + x, v + y];
+        pushed.angular_velocities[at] += turn;
     }
 }

@@ -24,6 +24,7 @@ pub(crate) mod boundaries;
 pub(crate) mod reductions;
 pub(crate) mod distribution;
 pub(crate) mod external;
+pub(crate) mod torques;
 pub(crate) mod displacements;
 pub(crate) mod drive;
 pub(crate) mod force_step;
@@ -86,6 +87,7 @@ use plan::start_threads;
 pub use record::{Record, TouchEvents, Touched};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 pub use sums::StateHash;
+use torques::Torques;
 pub use totals::{Collisions, Totals};
 pub use touches::{Touch, WallTouch};
 use undo::Before;
@@ -231,6 +233,7 @@ pub(crate) struct StepScratch {
     pub(crate) kicks: Vec<Kick>,
     pub(crate) wall_temperatures: WallTemperatures,
     pub(crate) forces: ForceScratch,
+    pub(crate) torques: Torques,
     pub(crate) before: Before,
     /// Columns to reorder into, for all parts of a step but the first.
     pub(crate) spare: Discs,

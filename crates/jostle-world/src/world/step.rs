@@ -26,7 +26,7 @@ use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search}
 use crate::world::bodies::Bodies;
 use crate::world::bodies::discs::Discs;
 use jostle_base::error::{Error, Result};
-use jostle_base::interrupt;
+use jostle_base::{interrupt, memory};
 
 /// Share of the usual displacement by which the bounds in which walls are searched are larger than
 /// those for particles.
@@ -214,8 +214,12 @@ impl World {
             let bounds = (&reaches[..], SPARE * horizon.usual_speed * plan.horizon);
             self.boundaries.find_near(tree, bounds, &self.settings, f64::from(dt))?;
             watch(Stage::Contacts, self);
-            let StepScratch { motions, spins, .. } = &mut self.scratch;
-            let particles = &self.bodies.awake.particles;
+            let StepScratch { motions, spins, torques, .. } = &mut self.scratch;
+            torques.list(&self.external, &self.bodies.awake, &*self.halo)?;
+            let particles = &mut self.bodies.awake.particles;
+            if self.external.turns() {
+                memory::resize_default(&mut particles.spins, particles.positions.len())?;
+            }
             load_motions(particles, self.settings.on_touch, &plan, (motions, spins))?;
             self.run_substeps(&plan, watch)?;
             self.halo.protocol().end_part(self);

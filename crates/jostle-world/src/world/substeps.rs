@@ -1,4 +1,4 @@
-//! The sub-steps of a step. In each, forces and resting contacts give kicks, then all particles fly and
+//! The sub-steps of a step. In each, forces, torques and resting contacts give kicks, then all particles fly and
 //! collide in the order of time, then overlaps are corrected.
 
 use std::cmp::Reverse;
@@ -56,12 +56,15 @@ impl World {
                 self.refresh_ghosts(plan)?;
             }
             self.apply_forces_in_substep(&common, substep, watch)?;
+            self.scratch.torques.begin(&self.scratch.spins, plan.seconds());
             if plan.may_rest {
                 self.solve_resting_contacts(&common, substep)?;
                 watch(Stage::Resting, self);
                 interrupt::check()?;
             }
+            self.scratch.torques.halve(&self.scratch.spins, plan.seconds());
             self.simulate_collisions(&common, substep)?;
+            self.scratch.torques.end(&self.scratch.spins, plan.seconds());
             watch(Stage::Events, self);
             interrupt::check()?;
             self.correct_positions(&common, substep)?;

@@ -278,12 +278,17 @@ impl WorldCase {
     fn accelerate(&mut self, draw: &mut Draw) {
         let vectors: Vec<[f32; 2]> =
             (0..self.ids.len()).map(|_| [draw.between(-9.0, 9.0) as f32, 0.0]).collect();
-        let which = draw.below(3);
-        draw.say("accelerate", (which, &vectors));
+        let (which, which_points) = (draw.below(3), draw.below(2));
+        draw.say("accelerate", (which, which_points, &vectors));
         let ids = self.ids.clone();
         let done = self.each(|world| match which {
             0 => world.set_accelerations(vectors.clone()),
-            1 => world.add_forces(&ids[..ids.len() / 2], &vectors[..ids.len() / 2]),
+            1 => {
+                // With torques, because the points are anywhere.
+                let half = ids.len() / 2;
+                let points = (which_points == 0).then_some(&vectors[half..2 * half]);
+                world.add_forces(&ids[..half], &vectors[..half], points)
+            }
             _ => {
                 world.clear_accelerations();
                 Ok(())
@@ -362,7 +367,7 @@ impl WorldCase {
             let positions = Some(Each::One([0.0, bad]));
             let changes = Changes { positions, ..Changes::default() };
             self.refused(|world| world.set(&own, &changes));
-            self.refused(|world| world.add_forces(&own, &vec![[bad; 2]; own.len()]));
+            self.refused(|world| world.add_forces(&own, &vec![[bad; 2]; own.len()], None));
             self.refused(|world| {
                 world.edit(|all| {
                     all.masses[0] = bad;

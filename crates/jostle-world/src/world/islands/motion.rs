@@ -103,7 +103,7 @@ pub(super) fn note_motions(
     discs: &mut Discs,
     settings: &WorldSettings,
     exhausted: &[u32],
-    external: Option<&[[f32; 2]]>,
+    external: Option<&[[f32; 3]]>,
     dt: f64,
     threads: Option<usize>,
 ) -> Result<()> {
@@ -147,7 +147,7 @@ pub(super) fn note_motions(
     // The force of a caller may hold a particle for the moment only.
     if let Some(external) = external {
         for (recent, &row) in recent.iter_mut().zip(&*rows) {
-            if external[row as usize] != [0.0; 2] {
+            if external[row as usize] != [0.0; 3] {
                 *recent = RecentMotion::UNKNOWN;
             }
         }

@@ -7,10 +7,10 @@ use super::super::bodies::Bodies;
 use super::super::bodies::asleep::{Island, Sleepers};
 use super::super::bodies::discs::{Discs, RecentMotion};
 use super::super::boundaries::Boundaries;
+use super::super::external::check_external;
 use super::super::islands::sleep::may_sleep;
 use super::super::{Walls, World, WorldSettings};
 use crate::contacts::Contact;
-use crate::particles::check_vectors;
 use crate::resting::WallImpulse;
 use crate::walls::index_of;
 use jostle_base::bytes::damaged;
@@ -125,7 +125,7 @@ pub(super) fn finish(world: &mut World) -> Result<()> {
     bodies.ids.check(len).map_err(refused)?;
     if let Some(external) = &external.accelerations {
         ensure(external.len() == len, "it has accelerations of no particles")?;
-        check_vectors("accelerations", external).map_err(refused)?;
+        check_external(external).map_err(refused)?;
     }
     let next = [bodies.ids.parts().1, boundaries.ids.parts().1];
     record.check(next, settings.track_events, boundaries.walls.all().len())?;
