@@ -12,7 +12,7 @@
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic plane;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
-    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat`, `Motor` and
+    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat`, `Motor`, `Pump` and
     `Grab` are its forces. `World.walls` is a `Walls`, `polyline` makes them; `Side` names the
     sides of a container.
     `jostle.life` has matrices for particle life.
@@ -40,6 +40,7 @@ from jostle._core import (
     Gravitation,
     Motor,
     PairForce,
+    Pump,
     Quadtree,
     Space,
     Springs,
@@ -100,6 +101,7 @@ __all__ = [
     "PairForce",
     "Particle",
     "Particles",
+    "Pump",
     "Quadtree",
     "RayHit",
     "RayHitLists",

@@ -28,7 +28,6 @@ from jostle.results import (
     LastStep,
     Neighbors,
     Nodes,
-    Nozzle,
     Particle,
     Particles,
     RayHit,
@@ -58,6 +57,7 @@ __all__ = [
     "Gravitation",
     "Motor",
     "PairForce",
+    "Pump",
     "Quadtree",
     "RankError",
     "Space",
@@ -81,7 +81,6 @@ __all__ = [
     "restore_events",
     "restore_space",
     "scene_default_count",
-    "scene_fountains",
     "scene_galton_board",
     "scene_names",
     "scene_view",
@@ -165,6 +164,7 @@ _Force: TypeAlias = (
     | Thermostat
     | ThermalWalls
     | AndersenThermostat
+    | Pump
     | Motor
     | Grab
     | PairForce
@@ -2705,7 +2705,7 @@ class World(_ShapeQueries):
         `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
-        `ThermalWalls`, `AndersenThermostat`, `Motor` and `Grab`, in addition to gravity and contacts.
+        `ThermalWalls`, `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -3587,7 +3587,7 @@ class World(_ShapeQueries):
     def forces(self) -> tuple[_Force, ...]:
         """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
         `Grab`, `Thermostat`, `ThermalWalls`,
-        `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
+        `AndersenThermostat`, `Motor` and `Pump`. Assign any sequence of them. They refer to particles by
         id. If a particle is removed, its attractors and springs are removed too, and motors drive
         the others. If particles merge, forces refer to the merged particle, and a spring between
         two of them is removed.
@@ -5886,6 +5886,103 @@ class AndersenThermostat:
     def __hash__(self) -> int: ...
     def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
+@final
+class Pump:
+    """A drain and a nozzle, as of a fountain: what is in the drain starts again from the nozzle.
+
+    At the beginning of each step a movable particle whose centre is in the drain is taken with the
+    probability 1 - exp(-rate dt). It keeps its id and all columns but position and velocity. It starts
+    somewhere along the width of the nozzle, and from there it has already flown for a random part of
+    the step, so a jet is as even with long steps as with short ones. The random numbers are functions
+    of `seed`, the particle's state and the time, so results have the same bits for every number of
+    threads and every order of adding.
+
+    Parameters
+    ----------
+    drain : array_like, shape (4,), or Box
+        Sides min_x, min_y, max_x, max_y of the drain, in units of length.
+    position : array_like, shape (2,)
+        Centre of the nozzle, in units of length.
+    velocity : array_like, shape (2,)
+        Mean velocity of what leaves it, in units of length per second.
+    rate : float
+        Mean number of times per second at which a particle in the drain is taken, at least 0. The
+        number of particles in the drain times this leaves the nozzle per second.
+    width : float, default 0.0
+        Length of the line on which particles start, perpendicular to the velocity.
+    spread : float, default 0.0
+        Maximum random addition to the velocity, in any direction, in units of length per second.
+    seed : int, default 0
+        Seed of the random numbers, below 2³².
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a number is out of range, or a min of the drain is not below its max.
+
+    See Also
+    --------
+    World.add, World.remove : Particles that come and go.
+
+    Notes
+    -----
+    A pump adds energy and momentum. The nozzle does not look for room: particles that overlap there
+    are pushed apart, without a change of their velocities, as everywhere. A world with pumps does not
+    sleep. Of several pumps whose drains have a particle in common, the first one that takes it counts.
+
+    Examples
+    --------
+    A jet that falls back into its basin:
+
+    >>> import jostle
+    >>> box = jostle.Box(0, 0, 40, 60)
+    >>> water = [(x, y) for x in range(1, 40, 2) for y in (1, 3, 5)]
+    >>> world = jostle.World(water, 0.8, gravity=(0, -10), restitution=0.3, container=box)
+    >>> world.forces = [jostle.Pump((0, 0, 40, 4), (20, 10), (0, 25), rate=0.5, width=4, spread=1)]
+    >>> world.step(1 / 60, steps=120)
+    >>> bool(world.positions[:, 1].max() > 30), len(world)
+    (True, 60)
+    """
+
+    __match_args__: Final = ("drain", "position", "velocity")
+    def __new__(
+        cls,
+        drain: ArrayLike | Box,
+        position: ArrayLike,
+        velocity: ArrayLike,
+        *,
+        rate: _Number,
+        width: _Number = 0.0,
+        spread: _Number = 0.0,
+        seed: SupportsIndex = 0,
+    ) -> Self: ...
+    @property
+    def drain(self) -> tuple[float, float, float, float]:
+        """Sides of the drain, (min_x, min_y, max_x, max_y)."""
+    @property
+    def position(self) -> tuple[float, float]:
+        """Centre of the nozzle, (x, y)."""
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Mean velocity of what leaves it, (x, y)."""
+    @property
+    def rate(self) -> float:
+        """How often a particle in the drain is taken, per second."""
+    @property
+    def width(self) -> float:
+        """Length of the line on which particles start."""
+    @property
+    def spread(self) -> float:
+        """Maximum random addition to the velocity."""
+    @property
+    def seed(self) -> int:
+        """The seed of the random numbers."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
+
 def scene_names() -> list[str]:
     """List the scenes.
 
@@ -5945,8 +6042,7 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
         One of `names()`.
     n : int, optional
         Number of particles; by default a suitable number for the scene. Sizes depend on it.
-        The discs of walls and the pegs of `galton` come in addition, and first. For
-        `emitters` it is the maximum number of drops.
+        The discs of walls and the pegs of `galton` come in addition, and first.
     seed : int, default 0
         The same seed gives the same world on every machine.
 
@@ -6038,39 +6134,6 @@ def scene_default_count(name: str) -> int:
     >>> import jostle
     >>> jostle.scenes.default_count("billiards")
     16
-    """
-
-def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]:
-    """Return the sources of the drops in the scene `emitters`.
-
-    A world does not emit particles: the caller of `step` adds new drops, and removes the
-    oldest drops if there would be more than `n`.
-
-    Parameters
-    ----------
-    n : int, optional
-        Maximum number of drops, as for `create`.
-
-    Returns
-    -------
-    list of Nozzle
-        Each with position, velocity, width, spread, radii, density and drops_per_second.
-
-    Raises
-    ------
-    ValueError
-        If `n` is out of range.
-
-    See Also
-    --------
-    create : The world of the scene.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> nozzles = jostle.scenes.fountains(3000)
-    >>> [nozzle.position for nozzle in nozzles]
-    [(-380.0, -135.0), (0.0, -342.0), (380.0, -135.0)]
     """
 
 def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:

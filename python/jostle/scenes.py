@@ -7,20 +7,17 @@ takes any number of particles, and its size depends on it.
 from jostle._core import create_scene as create
 from jostle._core import describe_scene as describe
 from jostle._core import scene_default_count as default_count
-from jostle._core import scene_fountains as fountains
 from jostle._core import scene_galton_board as galton_board
 from jostle._core import scene_names as names
 from jostle._core import scene_view as view
 from jostle._core import scene_wall as wall
-from jostle.results import GaltonBoard, Nozzle
+from jostle.results import GaltonBoard
 
 __all__ = [
     "GaltonBoard",
-    "Nozzle",
     "create",
     "default_count",
     "describe",
-    "fountains",
     "galton_board",
     "names",
     "view",

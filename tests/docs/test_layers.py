@@ -90,7 +90,7 @@ def test_bench_imports_a_rival_only_when_it_is_measured(monkeypatch: pytest.Monk
 
 
 # The modules that determine a state without user input.
-@pytest.mark.parametrize("name", ["containers", "emitters", "forces", "start"])
+@pytest.mark.parametrize("name", ["containers", "forces", "start"])
 def test_states_come_from_no_function_that_differs_by_machine(name: str) -> None:
     code = (ROOT / "lab/jostle_lab/simulate" / f"{name}.py").read_text(encoding="utf-8")
     assert not re.findall(

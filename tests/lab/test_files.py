@@ -114,7 +114,6 @@ WRONG = {
     "less than no forces": {"own_forces": -1},
     "more forces than there are": {"own_forces": 1},
     "no view": {"view": [0, 0, float("nan"), 1]},
-    "half a drop too much": {"emitters": [20, 0, 1.5]},
     "other walls": {"home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "cone", "n": 3}},
     "half a number": {
         "home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "box", "n": 2.5}

@@ -275,15 +275,6 @@ def test_merging_is_no_drift(open_session) -> None:
     assert len(session.frame) < before
 
 
-def test_fountains_have_no_drift(open_session) -> None:
-    session = open_session("emitters", 300)
-    for _ in range(8):
-        run(session, 0.5)
-        session.traces.refresh(session.frame, session.messages.now)
-        assert session.runner.statistics.changing
-        assert abs(session.runner.statistics.energy_drift) < 0.1
-
-
 def test_a_new_beginning_starts_the_statistics_afresh(open_session) -> None:
     session = open_session("gas", 200)
     run(session, 0.5)

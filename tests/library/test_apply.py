@@ -123,7 +123,7 @@ def test_a_force_lasts_one_call_and_is_in_snapshots() -> None:
 
 @given(st.data())
 def test_a_force_at_a_point_accelerates_and_turns(data: st.DataObject) -> None:
-    """A free disc, also with gravity and damping, in one step or many: the equations of motion."""
+    """A free disc under gravity, in one step or many: the equations of motion."""
     number = st.floats(-4, 4, width=32)
     pair = st.tuples(number, number)
     radius, mass = (data.draw(st.floats(0.5, 3, width=32)) for _ in range(2))
@@ -131,8 +131,8 @@ def test_a_force_at_a_point_accelerates_and_turns(data: st.DataObject) -> None:
     turning, steps = data.draw(number), data.draw(st.sampled_from([1, 7]))
     forces, points = (np.array([data.draw(pair) for _ in range(3)]) for _ in range(2))
     world = jostle.World(
-        [center, (90, 90)], radius, masses=mass, velocities=[start, (0, 0)], gravity=(0, 2),
-        angular_velocities=[turning, 1], angles=0.5,
+        np.array([center, (90, 90)]), radius, masses=mass, velocities=np.array([start, (0, 0)]),
+        gravity=(0, 2), angular_velocities=[turning, 1], angles=0.5,
     )  # fmt: skip
     world.apply_force([0, 0, 0], forces, points)
     if data.draw(st.booleans()):
@@ -143,7 +143,7 @@ def test_a_force_at_a_point_accelerates_and_turns(data: st.DataObject) -> None:
     torque = (arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum()
     turn = torque / (0.5 * mass * radius**2)
     change = forces.sum(axis=0) / mass + (0, 2)
-    close = {"rtol": 1e-4, "atol": 1e-4}
+    close: dict[str, Any] = {"rtol": 1e-4, "atol": 1e-4}
     np.testing.assert_allclose(world.velocities[0], start + change * seconds, **close)
     np.testing.assert_allclose(world.angular_velocities, [turning + turn * seconds, 1], **close)
     way = start * seconds + change * seconds**2 / 2
@@ -268,12 +268,13 @@ def test_torques_of_particles_that_merge_add_up() -> None:
 def test_a_force_at_a_point_wakes_and_is_the_same_for_all_threads() -> None:
     draw = np.random.default_rng(4)
     at = np.mgrid[0:40, 0:30].reshape(2, -1).T * 2.02 + 1.2
+    kinds: list[tuple[int, Any]] = [(1, "quadtree"), (2, "quadtree"), (1, "brute")]
     made = [
         jostle.World(
             at, 1.0, gravity=(0, -10), friction=0.6, restitution=0.3, threads=threads,
             container=jostle.Box(0, 0, 90, 90), method=method,
         )
-        for threads, method in ((1, "quadtree"), (2, "quadtree"), (1, "brute"))
+        for threads, method in kinds
     ]  # fmt: skip
     for _ in range(4):
         ids = draw.integers(0, len(at), 300)
@@ -295,7 +296,7 @@ def test_bad_input_of_apply_force() -> None:
         ((3, (0, 0), (0, 0)), r"^ids is 3; no particle has this id"),
     ):
         with pytest.raises(ValueError, match=message):
-            world.apply_force(*arguments)  # type: ignore[arg-type]
+            world.apply_force(*arguments)
     with pytest.raises(TypeError, match="did you mean 'points'"):
         world.apply_force(0, (1, 1), point=(0, 0))  # type: ignore[call-arg]
     world.step(0.1)

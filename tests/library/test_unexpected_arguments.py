@@ -25,6 +25,7 @@ CLASSES = [
     jostle.Springs,
     jostle.ThermalWalls,
     jostle.PairForce,
+    jostle.Pump,
 ]
 
 

@@ -8,6 +8,7 @@ mod grab;
 mod gravitation;
 mod motor;
 mod pair;
+mod pump;
 mod springs;
 mod thermal_walls;
 mod thermostat;
@@ -26,6 +27,7 @@ pub use grab::PyGrab;
 pub use gravitation::PyGravitation;
 pub use motor::PyMotor;
 pub use pair::PyPairForce;
+pub use pump::PyPump;
 pub use springs::PySprings;
 pub use thermal_walls::PyThermalWalls;
 pub use thermostat::PyThermostat;
@@ -46,7 +48,7 @@ macro_rules! classes {
             })*
             let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
                         jostle.ThermalWalls, jostle.AndersenThermostat, jostle.Motor, jostle.Grab, \
-                        jostle.PairForce or jostle.Flocking";
+                        jostle.PairForce, jostle.Flocking or jostle.Pump";
             Err(type_error(&format!("forces[{index}]"), rule, value))
         }
 
@@ -72,6 +74,7 @@ classes! {
     Thermostat as PyThermostat;
     ThermalWalls as PyThermalWalls;
     Andersen as PyAndersenThermostat;
+    Pump as PyPump;
 }
 
 /// Refuses what is out of range.

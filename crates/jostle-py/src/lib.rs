@@ -37,7 +37,7 @@ mod _core {
     use pyo3::types::IntoPyDict;
 
     use super::scenes::{
-        create, create_part, default_count, describe, fountains, galton_board, names, view, wall,
+        create, create_part, default_count, describe, galton_board, names, view, wall,
     };
 
     #[pymodule_export]
@@ -51,7 +51,7 @@ mod _core {
     #[pymodule_export]
     use super::forces::{
         PyAndersenThermostat, PyAttractor, PyFlocking, PyGrab, PyGravitation, PyMotor, PyPairForce,
-        PySprings, PyThermalWalls, PyThermostat,
+        PyPump, PySprings, PyThermalWalls, PyThermostat,
     };
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
@@ -101,7 +101,6 @@ mod _core {
         module.add("create_scene_part", wrap_pyfunction!(create_part, module)?)?;
         module.add("scene_view", wrap_pyfunction!(view, module)?)?;
         module.add("scene_default_count", wrap_pyfunction!(default_count, module)?)?;
-        module.add("scene_fountains", wrap_pyfunction!(fountains, module)?)?;
         module.add("scene_galton_board", wrap_pyfunction!(galton_board, module)?)?;
         module.add("scene_wall", wrap_pyfunction!(wall, module)?)?;
         // Imports NumPy's C API now: during a call, a signal could interrupt the import.

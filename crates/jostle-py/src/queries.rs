@@ -149,6 +149,16 @@ pub fn sides<'py>(
     Ok(any.then(|| all.into_any()))
 }
 
+/// The sides of a single rectangle.
+pub fn one_rect(name: &'static str, rect: &Bound<'_, PyAny>) -> PyResult<[f32; 4]> {
+    let sides = sides(rect, &SIDES)?;
+    let rect = Argument::reals(name, sides.as_ref().unwrap_or(rect))?;
+    match rect.one_or_rows()? {
+        Each::One(sides) => Ok(sides),
+        Each::Rows(_) => Err(rect.wrong_shape("(4,)")),
+    }
+}
+
 fn sides_of_one<'py>(
     rect: &Bound<'py, PyAny>,
     attributes: &[[&str; 4]],

@@ -5,7 +5,7 @@ use jostle_base::memory;
 use jostle_index::pairs::Overlaps;
 use jostle_index::query::{Hits, Neighbors};
 use jostle_index::{Scalar, Shape};
-use jostle_scenes::{Emitter, GaltonBoard};
+use jostle_scenes::GaltonBoard;
 use jostle_space::Slides;
 use jostle_world::{Particles, Spin, Surface, Totals, Touch, TouchEvents, Wall, WallTouch};
 use numpy::{Element, PyArrayMethods};
@@ -395,15 +395,4 @@ pub fn galton_board(py: Python<'_>, all: GaltonBoard) -> PyResult<Bound<'_, PyAn
     let [bin_top, floor, ball_radius] = [bin_top, floor, ball_radius].map(decimal);
     let fields = (rows, column(py, bin_edges), bin_top, floor, ball_radius);
     GALTON_BOARD.import(py, "jostle.results", "GaltonBoard")?.call1(fields)
-}
-
-/// `jostle.scenes.Nozzle`.
-pub fn nozzle<'py>(py: Python<'py>, of: &Emitter) -> PyResult<Bound<'py, PyAny>> {
-    static NOZZLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let pair = |[a, b]: [f32; 2]| (decimal(a), decimal(b));
-    let [position, velocity, radii] = [of.position, of.velocity, of.radii].map(pair);
-    let [width, spread] = [of.width, of.spread].map(decimal);
-    let [density, rate] = [of.density, of.drops_per_second].map(decimal);
-    let fields = (position, velocity, width, spread, radii, density, rate);
-    NOZZLE.import(py, "jostle.results", "Nozzle")?.call1(fields)
 }

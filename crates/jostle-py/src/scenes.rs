@@ -104,8 +104,7 @@ pub fn default_count(name: &Bound<'_, PyAny>) -> PyResult<usize> {
 ///     One of `names()`.
 /// n : int, optional
 ///     Number of particles; by default a suitable number for the scene. Sizes depend on it.
-///     The discs of walls and the pegs of `galton` come in addition, and first. For
-///     `emitters` it is the maximum number of drops.
+///     The discs of walls and the pegs of `galton` come in addition, and first.
 /// seed : int, default 0
 ///     The same seed gives the same world on every machine.
 ///
@@ -203,46 +202,6 @@ pub fn view(
 ) -> PyResult<(f64, f64, f64, f64)> {
     let view = scene(name)?.view(particles(n)?).map_err(refused)?;
     Ok(view.map(decimal).into())
-}
-
-/// Return the sources of the drops in the scene `emitters`.
-///
-/// A world does not emit particles: the caller of `step` adds new drops, and removes the
-/// oldest drops if there would be more than `n`.
-///
-/// Parameters
-/// ----------
-/// n : int, optional
-///     Maximum number of drops, as for `create`.
-///
-/// Returns
-/// -------
-/// list of Nozzle
-///     Each with position, velocity, width, spread, radii, density and drops_per_second.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If `n` is out of range.
-///
-/// See Also
-/// --------
-/// create : The world of the scene.
-///
-/// Examples
-/// --------
-/// >>> import jostle
-/// >>> nozzles = jostle.scenes.fountains(3000)
-/// >>> [nozzle.position for nozzle in nozzles]
-/// [(-380.0, -135.0), (0.0, -342.0), (380.0, -135.0)]
-#[pyfunction]
-#[pyo3(signature = (n=None))]
-pub fn fountains<'py>(
-    py: Python<'py>,
-    n: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Vec<Bound<'py, PyAny>>> {
-    let emitters = scenes::emitters(particles(n)?).map_err(refused)?;
-    emitters.iter().map(|emitter| results::nozzle(py, emitter)).collect()
 }
 
 /// Return the geometry of the board in the scene `galton`.

@@ -1,33 +1,43 @@
-//! Scene: a fountain of static discs with three emitters of drops.
-//!
-//! A world does not emit particles. The caller of `step` adds new drops and removes the oldest;
-//! this module has the data of the emitters.
+//! Scene: a fountain of static discs with three jets. Pumps take drops out of the basin and let them start again.
 
-use super::placing::{Area, immovable, walls};
+use super::placing::{Area, immovable, lattice_where, walls};
 use super::random::Random;
-use super::scene::checked;
 use super::start::{Start, boxed};
 use jostle_base::error::Result;
 use jostle_base::memory;
+use jostle_world::forces::{Influence, Pump};
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
-/// The default maximum number of drops, for which the lengths below are given.
+/// The default number of drops, for which the lengths below are given.
 pub(crate) const DEFAULT_COUNT: usize = 3_000;
 
-/// Lifetime of a drop in seconds when there is the maximum number of drops.
-const LIFE: f32 = 11.0;
+/// Drops of a jet per second when there is the default number of drops, at the start.
+const FLOW: f32 = 91.0;
+
+/// How often a drop in a drain is taken, per second: the drops in each drain times it are about [`FLOW`].
+const RATE: f32 = 0.25;
 
 const GRAVITY: f32 = 900.0;
 const BEAD: f32 = 4.0;
 const DROPS: [f32; 2] = [2.1, 3.1];
 
+/// Mass of a drop divided by its radius squared, different for the drops that begin in each jet.
+const DENSITIES: [f32; 3] = [1.0, 1.15, 1.3];
+
 /// Seconds of flight of the first drops at the start.
-const FLOWN: f32 = 0.6;
+const FLOWN: f32 = 1.2;
+
+/// Distance of the drops in the basin at the start.
+const CELL: f32 = 6.3;
 
 /// Half width of the view, and its height above the floor at y = 0.
 const HALF_WIDTH: f32 = 480.0;
 const HEIGHT: f32 = 640.0;
+
+/// Half of the width of the middle drain, and the height of all.
+const MIDDLE_DRAIN: f32 = 160.0;
+const DRAIN: f32 = 30.0;
 
 /// Lines of the right half; the left half is its mirror image: two sloped tiers of steps, their
 /// supports, and the rim of the basin.
@@ -37,54 +47,29 @@ const COLUMN: [[f32; 2]; 2] = [[12.0, -318.0], [12.0, -211.0]];
 const FOOT: [[f32; 2]; 2] = [[26.0, -192.0], [40.0, 0.0]];
 const RIM: [[f32; 2]; 2] = [[425.0, 0.0], [445.0, -105.0]];
 
-/// A source of drops.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emitter {
-    /// Centre of the emitted drops.
-    pub position: [f32; 2],
-    /// Mean velocity of the emitted drops, px/s.
-    pub velocity: [f32; 2],
-    /// Drops are emitted on a line of this length, perpendicular to the velocity.
-    pub width: f32,
-    /// Maximum random deviation of the velocity, in any direction, px/s.
-    pub spread: f32,
-    /// Smallest and largest radius.
-    pub radii: [f32; 2],
-    /// Mass divided by the radius squared, different for each emitter.
-    pub density: f32,
-    /// Emitted drops per second.
-    pub drops_per_second: f32,
-}
-
-/// The emitters of the scene `emitters` with at most `n` drops (`None`: the default number).
-pub fn emitters(n: Option<usize>) -> Result<Vec<Emitter>> {
-    Ok(all(checked(n.unwrap_or(DEFAULT_COUNT))?).to_vec())
-}
-
 /// Factor of all lengths; the area is proportional to the number of drops.
 fn scale(n: usize) -> f32 {
     (n as f32 / DEFAULT_COUNT as f32).sqrt().max(0.25)
 }
 
-fn all(n: usize) -> [Emitter; 3] {
+/// The left jet, the one in the middle, and the right one.
+fn pumps(n: usize) -> [Pump; 3] {
     let scale = scale(n);
     // Times of flight are proportional to the square root of the height.
     let faster = scale.sqrt();
-    // In equilibrium each of the three adds a third of the drops in one lifetime.
-    let drops_per_second = n as f32 / (3.0 * LIFE * faster);
-    let emitter = |position: [f32; 2], velocity: [f32; 2], density| Emitter {
+    let pump = |position: [f32; 2], velocity: [f32; 2], [left, right]: [f32; 2], seed| Pump {
+        drain: [left, -DRAIN, right, 0.0].map(|side| side * scale),
         position: position.map(|v| v * scale),
         velocity: velocity.map(|v| v * faster),
-        width: 7.0 * scale,
+        rate: RATE / faster,
+        width: 20.0 * scale,
         spread: 22.0 * faster,
-        radii: DROPS,
-        density,
-        drops_per_second,
+        seed,
     };
     [
-        emitter([-380.0, -135.0], [282.0, -900.0], 1.0),
-        emitter([0.0, -342.0], [0.0, -590.0], 1.15),
-        emitter([380.0, -135.0], [-282.0, -900.0], 1.3),
+        pump([-380.0, -135.0], [282.0, -900.0], [-HALF_WIDTH, -MIDDLE_DRAIN], 0),
+        pump([0.0, -345.0], [0.0, -590.0], [-MIDDLE_DRAIN, MIDDLE_DRAIN], 1),
+        pump([380.0, -135.0], [-282.0, -900.0], [MIDDLE_DRAIN, HALF_WIDTH], 2),
     ]
 }
 
@@ -93,18 +78,23 @@ pub(crate) fn view(n: usize) -> Area {
     [-HALF_WIDTH * scale, -HEIGHT * scale, HALF_WIDTH * scale, 0.0]
 }
 
-/// Static discs of the fountain, then the first drops, oldest first.
+/// Static discs of the fountain, then the drops: those of the jets, and those in the basin.
 pub(crate) fn fountain(n: usize, random: &mut Random) -> Result<Start> {
     let scale = scale(n);
     let mut particles = immovable(beads(scale)?, BEAD)?;
-    particles.try_extend(&first_drops(n, random)?)?;
+    let flying = ((3.0 * FLOW * FLOWN * scale * scale) as usize).min(n);
+    for number in (0..flying).rev() {
+        particles.try_extend(&flown(n, number, random)?)?;
+    }
+    particles.try_extend(&basin(n, n - flying, random)?)?;
     let [min_x, min_y, max_x, max_y] = view(n);
     let settings = WorldSettings {
         gravity: [0.0, GRAVITY],
         // Drops may rise above the view.
         ..boxed([min_x, 2.0 * min_y, max_x, max_y])
     };
-    Ok(Start::new(particles, settings).restitution(0.3))
+    let start = Start::new(particles, settings).restitution(0.3);
+    Ok(pumps(n).into_iter().fold(start, |start, pump| start.with(Influence::Pump(pump))))
 }
 
 fn beads(scale: f32) -> Result<Vec<[f32; 2]>> {
@@ -125,30 +115,49 @@ fn beads(scale: f32) -> Result<Vec<[f32; 2]>> {
     Ok(all)
 }
 
-/// The drops that were emitted in the last [`FLOWN`] seconds.
-fn first_drops(n: usize, random: &mut Random) -> Result<Particles> {
-    let emitters = all(n);
-    let rate: f32 = emitters.iter().map(|emitter| emitter.drops_per_second).sum();
-    let count = ((FLOWN * scale(n).sqrt() * rate) as usize).min(n);
-    let mut drops = Particles::default();
-    for number in (0..count).rev() {
-        let emitter = &emitters[number % emitters.len()];
-        drops.try_extend(&emitter.drop((number as f32 + 1.0) / rate, random))?;
-    }
-    Ok(drops)
+/// One of the drops that have left a nozzle; that with the number 0 is the last one.
+fn flown(n: usize, number: usize, random: &mut Random) -> Result<Particles> {
+    let all = pumps(n);
+    let jet = number % all.len();
+    let Pump { position, velocity: [u, v], width, spread, .. } = all[jet];
+    let age = (number as f32 + 1.0) * scale(n).sqrt() * FLOWN
+        / (3.0 * FLOW * FLOWN * scale(n) * scale(n));
+    let across = random.between(-0.5, 0.5) * width / (u * u + v * v).sqrt();
+    let [x, y] = [position[0] - v * across, position[1] + u * across];
+    let deviation = random.in_disc().map(|w| w * spread);
+    let [u, v] = [u + deviation[0], v + deviation[1]];
+    let place = [x + u * age, y + v * age + 0.5 * GRAVITY * age * age];
+    drops(vec![place], vec![[u, v + GRAVITY * age]], jet, random)
 }
 
-impl Emitter {
-    /// A drop that was emitted `age` seconds ago.
-    fn drop(&self, age: f32, random: &mut Random) -> Particles {
-        let [u, v] = self.velocity;
-        let across = random.between(-0.5, 0.5) * self.width / (u * u + v * v).sqrt();
-        let [x, y] = [self.position[0] - v * across, self.position[1] + u * across];
-        let deviation = random.in_disc().map(|w| w * self.spread);
-        let [u, v] = [u + deviation[0], v + deviation[1]];
-        let place = [x + u * age, y + v * age + 0.5 * GRAVITY * age * age];
-        let radius = random.between(self.radii[0], self.radii[1]);
-        let velocity = [u, v + GRAVITY * age];
-        Particles::new(vec![place], vec![velocity], vec![radius], self.density)
+/// Drops at rest between the rims, from the floor upwards.
+fn basin(n: usize, count: usize, random: &mut Random) -> Result<Particles> {
+    let scale = scale(n);
+    let half_width = RIM[0][0] * scale - BEAD - DROPS[1];
+    // The supports stand in it.
+    let wide = 2.0 * (FOOT[1][0] - FOOT[0][0]) * scale + 4.0 * (BEAD + DROPS[1]);
+    let height = (count as f32 * CELL * CELL / (2.0 * half_width - wide)).max(CELL);
+    let [[top_x, top_y], [foot_x, _]] = FOOT.map(|corner| corner.map(|v| v * scale));
+    let is_free = |&[x, y]: &[f32; 2]| {
+        let support = foot_x + (top_x - foot_x) * (y / top_y).clamp(0.0, 1.0);
+        (x.abs() - support).abs() > BEAD + DROPS[1]
+    };
+    let area = [-half_width, -height, half_width, 0.0];
+    let places = lattice_where(count, area, 0.0, random, is_free)?;
+    let mut all = Particles::default();
+    for (number, place) in places.into_iter().enumerate() {
+        all.try_extend(&drops(vec![place], vec![[0.0; 2]], number % DENSITIES.len(), random)?)?;
     }
+    Ok(all)
+}
+
+/// Drops of random sizes, with the density of those of a jet.
+fn drops(
+    places: Vec<[f32; 2]>,
+    velocities: Vec<[f32; 2]>,
+    jet: usize,
+    random: &mut Random,
+) -> Result<Particles> {
+    let radii = memory::collect(places.iter().map(|_| random.between(DROPS[0], DROPS[1])))?;
+    Particles::try_new(places, velocities, radii, DENSITIES[jet])
 }

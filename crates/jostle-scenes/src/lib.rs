@@ -29,7 +29,6 @@ mod life;
 mod fluid;
 mod list;
 
-pub use emitters::{Emitter, emitters};
 pub use galton::{GaltonBoard, galton_board};
 pub use list::{SCENES, find};
 pub use placing::wall;

@@ -132,8 +132,8 @@ pub const SCENES: [Scene; 24] = [
     Scene {
         name: "emitters",
         default_count: emitters::DEFAULT_COUNT,
-        about: "Three jets meet above a fountain, and drops run down its steps. \
-                The oldest drops are removed, so their number has a maximum.",
+        about: "Three jets meet above a fountain, and drops run down its steps into the basin. \
+                Pumps take drops out of the basin, and let them start again from the nozzles.",
         make: Make::Whole(emitters::fountain),
         view: emitters::view,
     },

@@ -181,16 +181,3 @@ fn dust_becomes_stars() {
     let largest = world.bodies().radii().unwrap().into_iter().fold(0.0, f32::max);
     assert!(largest > 5.0, "the largest star has a radius of {largest}");
 }
-
-#[test]
-fn nozzles_fill_the_cap_in_the_life_of_a_drop() {
-    for n in [0, 1, 3000, 100_000] {
-        let emitters = scenes::emitters(Some(n)).unwrap();
-        assert_eq!(emitters.len(), 3);
-        let rate: f32 = emitters.iter().map(|emitter| emitter.drops_per_second).sum();
-        assert!(rate * 4.0 <= n as f32, "{rate} drops a second would live for a glance");
-        assert!(moving(&create("emitters", Some(n), 0)).len() <= n);
-    }
-    assert!(scenes::emitters(Some(usize::MAX)).is_err());
-    assert_eq!(scenes::emitters(None).unwrap(), scenes::emitters(Some(3000)).unwrap());
-}

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use jostle_index::{Each, Filter};
 use jostle_world::forces::{
-    Andersen, Attractor, Flocking, Grab, Gravitation, Law, Motor, PairForce, PairTable, Pole,
+    Andersen, Attractor, Flocking, Grab, Gravitation, Law, Motor, PairForce, PairTable, Pole, Pump,
     Spring, Springs, ThermalWalls, Thermostat, WallIds,
 };
 use jostle_world::{Changes, Influence, Sides, Surface, Wall, World, WorldSettings};
@@ -102,6 +102,15 @@ fn with_forces() -> World {
         Influence::Grab(Grab { id: 5, point: [3.0, 4.0], rate: 2.0, max_force: 6.0 }),
         Influence::Andersen(Andersen { temperature: 1.5, rate: 0.25, seed: 8 }),
         Influence::Pair(PairForce { table: Arc::new(table.expect("valid")) }),
+        Influence::Pump(Pump {
+            drain: [0.0, -9.0, 2.0, -8.0],
+            position: [3.0, 1.0],
+            velocity: [0.0, 4.0],
+            rate: 0.5,
+            width: 1.5,
+            spread: 0.25,
+            seed: 9,
+        }),
         Influence::Flocking(Flocking {
             cutoff: 3.5,
             separation: 1.0,

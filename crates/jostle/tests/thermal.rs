@@ -334,7 +334,7 @@ fn wrong_ones_are_refused() {
     assert!(refusal(&[walls([false; 4], 0)]).starts_with("sides is ()"));
     assert_eq!(
         refusal(&[walls([true, false, false, false], 0), walls(ALL, 1)]),
-        "forces[1] is another ThermalWalls; side -2 has a temperature already"
+        "forces[1] is another ThermalWalls; MIN_X has a temperature already"
     );
     assert_eq!(refusal(&[segments(1.0, &[3, 5, 3], 0)]), "walls[2] is 3; it is given twice");
     assert!(refusal(&[segments(1.0, &[-1], 0)]).starts_with("walls[0] is -1; no wall"));

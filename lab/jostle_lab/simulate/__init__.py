@@ -6,7 +6,6 @@ region                  the container of a world, or its period
 frame                   `Frame`: one state of a world, and the numbers of a step
 forces                  between kinds, of walls, and to attractors of the user; the walls
 containers              the container of a world, of any kind and size; free positions in it
-emitters                nozzles that add drops
 simulation              `Simulation`: a scene in a `jostle.World`
 start                   a simulation from settings, with the walls and particles of a file
 history                 rewinding: snapshots, and re-simulation of the steps between them

@@ -19,7 +19,9 @@ from jostle_lab.simulate.settings import Polyline
 
 Attractors = tuple[Attractor, ...]
 
-ARGUMENTS = ("ids", "walls", "pivot", "angular_velocity", "velocity", "cycle")  # of a motor
+# The arguments of a motor, and of a pump.
+MOTOR = ("ids", "walls", "pivot", "angular_velocity", "velocity", "cycle")
+PUMP = ("drain", "position", "velocity", "rate", "width", "spread", "seed")
 
 
 def kind_count(world: jostle.World) -> int | None:
@@ -47,16 +49,22 @@ def set_matrix(world: jostle.World, matrix: str | Sequence[Sequence[float]]) -> 
 
 
 def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
-    """Return forces whose motors have shifted pivots."""
-    return tuple(
-        _with(force, pivot=np.array(force.pivot) + by) if isinstance(force, jostle.Motor) else force
-        for force in forces
-    )
+    """Return forces whose motors have shifted pivots, and whose pumps have shifted."""
+    return tuple(_shifted(force, by) for force in forces)
 
 
-def _with(motor: jostle.Motor, **changes: Any) -> jostle.Motor:
-    """Return a motor with some other arguments."""
-    return jostle.Motor(**{name: getattr(motor, name) for name in ARGUMENTS} | changes)
+def _shifted(force: Any, by: NDArray[np.floating]) -> Any:
+    if isinstance(force, jostle.Motor):
+        return _with(force, MOTOR, pivot=np.array(force.pivot) + by)
+    if isinstance(force, jostle.Pump):
+        drain = np.array(force.drain) + np.tile(by, 2)
+        return _with(force, PUMP, drain=drain, position=np.array(force.position) + by)
+    return force
+
+
+def _with(force: Any, arguments: tuple[str, ...], **changes: Any) -> Any:
+    """Return a force with some other arguments."""
+    return type(force)(**{name: getattr(force, name) for name in arguments} | changes)
 
 
 class AttractorForces:

@@ -19,7 +19,6 @@ from jostle_lab.simulate.containers import (
     free_positions,
     moved_inside,
 )
-from jostle_lab.simulate.emitters import STATE, Emitters
 from jostle_lab.simulate.forces import AttractorForces, WallSegments, kind_count, set_matrix
 from jostle_lab.simulate.frame import (
     Attractor,
@@ -40,11 +39,9 @@ from jostle_lab.simulate.validation import (
     Rule,
     each,
     fields_of,
-    or_none,
     read,
     real,
     rect,
-    shown,
 )
 
 TIME_STEP = 1 / 60
@@ -73,7 +70,6 @@ STATE_FIELDS = Fields(
         "own_forces": COUNT,
         "pulls": Many(fields_of(Attractor)),
         "home": fields_of(InitialRegion),
-        "emitters": or_none(STATE),
         "own_walls": COUNT,
         # Times of birth, and how many particles in a row have each.
         "born": Many(each(real(), "time", "count"), most=2**31),
@@ -105,7 +101,6 @@ class Simulation:
         self._columns = ParticleTable(world)
         self._segments = WallSegments(world, len(world.walls))
         self._attractions = AttractorForces(world, self._columns, len(world.forces))
-        self.emitters: Emitters | None = None
         self._initial = InitialRegion.of(container_of(world), view, settings.n)
         if settings.world_size != 1.0 or settings.container is not None:
             self._fit_container()
@@ -114,10 +109,7 @@ class Simulation:
     def of_scene(cls, settings: Settings) -> Simulation:
         scene, n, seed = settings.scene, settings.n, settings.seed
         world = jostle.scenes.create(scene, n=n, seed=seed)
-        simulation = cls(settings, jostle.scenes.view(scene, n), world)
-        if scene == "emitters":
-            simulation.emitters = Emitters(n, seed)
-        return simulation
+        return cls(settings, jostle.scenes.view(scene, n), world)
 
     @classmethod
     def resume(cls, state: bytes) -> Simulation:
@@ -173,11 +165,6 @@ class Simulation:
         if renumbered is not None:
             columns.update(world)
             self._attractions.merge(renumbered)
-        if self.emitters is not None:
-            gone = self.emitters.step(world, self.time_step, **self._surface)
-            if gone is not None or len(world) > len(columns.tags):
-                columns.update(world)
-                self._attractions.renew()
 
     def adjust(self, name: str, value: Any) -> str | None:
         """Change a setting; return a message if it is refused, without any change."""
@@ -223,11 +210,8 @@ class Simulation:
     def _set_count(self, n: int) -> None:
         """Add copies of particles if there are enough free positions, or remove the last ones.
 
-        `n` is the number of movable particles; with emitters it is the cap.
+        `n` is the number of movable particles.
         """
-        if self.emitters is not None:
-            self.emitters.cap = n
-            return
         moving = np.flatnonzero(self._columns.movable)
         more = n - len(moving)
         if more <= 0:
@@ -362,16 +346,14 @@ class Simulation:
         It is the snapshot of the world, with everything else in its attachment. `window` is kept
         there too.
         """
-        columns, emitters = self._columns, self.emitters
         facts = {
             "settings": asdict(self.settings),
             "view": self.view,
             "own_forces": self._attractions.own,
             "pulls": [asdict(attractor) for attractor in self.attractors],
             "home": asdict(self._initial),
-            "emitters": emitters and emitters.state,
             "own_walls": self._segments.own,
-            "born": runs(columns.born),
+            "born": runs(self._columns.born),
             "window": window,
         }
         self.world.attachment = json.dumps(facts)
@@ -397,15 +379,11 @@ class Simulation:
                 f"born has {counts.sum():g} times; its world has {len(world)} particles"
             )
         born = np.repeat(times, counts.astype(np.int64))
-        drops = facts["emitters"]
-        if (drops is None) != (settings.scene != "emitters"):
-            raise ValueError(f"emitters is {shown(drops)} in the scene {shown(settings.scene)}")
-        emitters = None if drops is None else Emitters(initial.n, settings.seed, drops)
         columns = ParticleTable(world, born)
         self._attractions = AttractorForces(world, columns, facts["own_forces"], facts["pulls"])
         self._segments = WallSegments(world, facts["own_walls"])
         self.settings, self.view, self._initial = settings, facts["view"], initial
-        self.world, self._columns, self.emitters = world, columns, emitters
+        self.world, self._columns = world, columns
 
 
 def attached(world: jostle.World) -> Any:

@@ -86,10 +86,10 @@ class World:
 
     Notes
     -----
-    Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls` and
-    `AndersenThermostat`. They are refused. There are no queries, such as `nearest` and `raycast`:
-    use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each rank and
-    combine the answers, for instance by ``comm.allgather``.
+    Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`,
+    `AndersenThermostat` and `Pump`. They are refused. There are no queries, such as `nearest` and
+    `raycast`: use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each
+    rank and combine the answers, for instance by ``comm.allgather``.
 
     `free_positions`, `net_forces` and `force_virial` depend on the particles of all ranks; the
     world that `gather` returns has these methods.

@@ -10,7 +10,7 @@ from jostle.results.queries import (
     RayHits,
     Stats,
 )
-from jostle.results.scenes import GaltonBoard, Nozzle
+from jostle.results.scenes import GaltonBoard
 from jostle.results.spaces import Separated, Shape, Shapes, Slide, Slides
 from jostle.results.worlds import (
     LastCall,
@@ -33,7 +33,6 @@ __all__ = [
     "LastStep",
     "Neighbors",
     "Nodes",
-    "Nozzle",
     "Particle",
     "Particles",
     "RayHit",

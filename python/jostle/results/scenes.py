@@ -37,39 +37,3 @@ class GaltonBoard(Result):
     bin_top: float
     floor: float
     ball_radius: float
-
-
-class Nozzle(Result):
-    """A source of drops in the scene `emitters`.
-
-    Attributes
-    ----------
-    position : tuple of float
-        Centre of the source, x and y.
-    velocity : tuple of float
-        Velocity of the drops, in pixels per second.
-    width : float
-        Drops start at random on a line of this length, perpendicular to the velocity.
-    spread : float
-        Maximum random addition to the velocity, in any direction, in pixels per second.
-    radii : tuple of float
-        The smallest and the largest radius.
-    density : float
-        Mass divided by the squared radius.
-    drops_per_second : float
-        Number of drops per second.
-
-    See Also
-    --------
-    jostle.scenes.fountains : Returns a list of them.
-    """
-
-    __slots__ = ("position", "velocity", "width", "spread", "radii", "density", "drops_per_second")
-
-    position: tuple[float, float]
-    velocity: tuple[float, float]
-    width: float
-    spread: float
-    radii: tuple[float, float]
-    density: float
-    drops_per_second: float

@@ -137,6 +137,7 @@ shows! {
     Id: |py, value| value.into_bound_py_any(py);
     &'static str: |py, value| value.into_bound_py_any(py);
     [f32; 2]: |py, value| <(f64, f64)>::from(value.map(decimal)).into_bound_py_any(py);
+    [f32; 4]: |py, value| Ok(PyTuple::new(py, value.map(decimal))?.into_any());
     Vec<u8>: |py, value| Ok(read_only(column(py, value)).into_any());
     Vec<f32>: |py, value| Ok(read_only(column(py, value)).into_any());
     Vec<Id>: |py, value| Ok(read_only(column(py, value)).into_any());

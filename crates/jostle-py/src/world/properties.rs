@@ -80,7 +80,7 @@ properties! {
 impl PyWorld {
     /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
     /// `Grab`, `Thermostat`, `ThermalWalls`,
-    /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
+    /// `AndersenThermostat`, `Motor` and `Pump`. Assign any sequence of them. They refer to particles by
     /// id. If a particle is removed, its attractors and springs are removed too, and motors drive
     /// the others. If particles merge, forces refer to the merged particle, and a spring between
     /// two of them is removed.

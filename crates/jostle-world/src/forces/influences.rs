@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::record::{Found, Gone, Record, Reference, Renamed};
 use super::{
     Andersen, Attractor, Flocking, Force, ForceInput, Grab, Gravitation, Motor, PairForce,
-    Partners, Scratch, Springs, ThermalWalls, Thermostat, bounded,
+    Partners, Pump, Scratch, Springs, ThermalWalls, Thermostat, bounded,
 };
 use crate::container::Container;
 use crate::particles::check_kinds_of_table;
@@ -30,6 +30,8 @@ pub enum Role<'a> {
     ThermalWalls(&'a ThermalWalls),
     /// It draws new velocities of some particles, at the end of a step.
     Andersen(&'a Andersen),
+    /// It moves particles from a drain to a nozzle, before a step.
+    Pump(&'a Pump),
 }
 
 macro_rules! influences {
@@ -112,6 +114,8 @@ influences! {
     4 ThermalWalls(ThermalWalls) as ThermalWalls, "ThermalWalls";
     /// New velocities at random times (Andersen's thermostat).
     5 Andersen(Andersen) as Andersen, "an AndersenThermostat";
+    /// Particles that leave through a drain start again at a nozzle.
+    10 Pump(Pump) as Pump, "a Pump";
 }
 
 /// All influences of a world. There is one list, in the order in which the caller has given them, so that what is read
@@ -157,6 +161,8 @@ views! {
     thermal_walls: ThermalWalls(ThermalWalls);
     /// Andersen's thermostat, if there is one.
     andersen_thermostats: Andersen(Andersen);
+    /// The pumps.
+    pumps: Pump(Pump);
 }
 
 impl Influences {
@@ -318,14 +324,14 @@ impl Influences {
                 Role::Thermostat(_) => thermostats += 1,
                 Role::Andersen(_) => andersen_thermostats += 1,
                 Role::ThermalWalls(walls) => {
-                    let sides = walls.side_ids().map(|side| ("side", side));
-                    let all = sides.chain(walls.walls.0.iter().map(|&wall| ("wall", wall)));
-                    if let Some((noun, number)) = { all }.find(|&of| !known.insert(of)) {
-                        let rule = format!("{noun} {number} has a temperature already");
+                    let sides = walls.side_names().into_iter().map(str::to_string);
+                    let walls = walls.walls.0.iter().map(|wall| format!("wall {wall}"));
+                    if let Some(of) = sides.chain(walls).find(|of| !known.insert(of.clone())) {
+                        let rule = format!("{of} has a temperature already");
                         return refuse("another ThermalWalls", &rule);
                     }
                 }
-                Role::Force(_) | Role::Springs(_) | Role::Motor(_) => {}
+                Role::Force(_) | Role::Springs(_) | Role::Motor(_) | Role::Pump(_) => {}
             }
             if thermostats > 1 {
                 return refuse("another Thermostat", "a world has one thermostat at most");

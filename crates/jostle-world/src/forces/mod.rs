@@ -3,7 +3,8 @@
 //! Forces accelerate particles ([`Force`]): attractors, gravitation, grabs of one particle, and forces between
 //! neighbours, which are those between kinds of particles and flocking. Springs are integrated in parts of a sub-step
 //! ([`springs::SpringSolver`]). The thermostat and thermal walls act when particles bounce off walls, Andersen's
-//! thermostat at the end of a step. Motors move immovable particles and walls. A line in `influences` names each,
+//! thermostat at the end of a step. Motors move immovable particles and walls, pumps particles from a drain to a
+//! nozzle. A line in `influences` names each,
 //! and `record` derives from its fields what snapshots, renumbering and checks need.
 
 pub mod attractor;
@@ -15,6 +16,7 @@ mod influences;
 pub mod motor;
 mod neighbors;
 pub mod pair;
+pub mod pump;
 mod record;
 mod sorted;
 pub mod springs;
@@ -29,6 +31,7 @@ pub use gravitation::Gravitation;
 pub use influences::{Influence, Influences, Role};
 pub use motor::Motor;
 pub use pair::{PairForce, PairTable};
+pub use pump::Pump;
 pub use record::WallIds;
 pub use springs::{Spring, Springs};
 pub use thermal::{Andersen, ThermalWalls, WallTemperatures};

@@ -104,7 +104,7 @@ macro_rules! refers_to_nothing {
 }
 pub(crate) use refers_to_nothing;
 
-refers_to_nothing! { u32, f32, [f32; 2], [bool; 5] }
+refers_to_nothing! { u32, f32, [f32; 2], [f32; 4], [bool; 5] }
 
 /// A particle, without which there is nothing.
 impl Record for Id {

@@ -107,14 +107,14 @@ pub fn check_distributable(world: &World) -> Result<()> {
     let is_local = |influence: &Influence| match influence.role() {
         Role::Force(force) => force.partners().cutoff().is_some(),
         Role::Springs(_) | Role::Motor(_) => false,
-        Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => true,
+        Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) | Role::Pump(_) => true,
     };
     let influences = world.influences.list();
     let Some(index) = influences.iter().position(|influence| !is_local(influence)) else {
         return Ok(());
     };
-    let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
-                AndersenThermostat only";
+    let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls, \
+                AndersenThermostat and Pump only";
     Err(Error::at("forces", index, influences[index].noun(), rule))
 }
 

@@ -27,6 +27,7 @@ pub(crate) mod external;
 pub(crate) mod torques;
 pub(crate) mod displacements;
 pub(crate) mod drive;
+pub(crate) mod pumps;
 pub(crate) mod force_step;
 pub(crate) mod plan;
 pub(crate) mod reach;

@@ -16,6 +16,7 @@ use super::islands::wake::{
 };
 use super::merge::merge;
 use super::plan::Plan;
+use super::pumps::{Pumped, pump};
 use super::record::{record_pairs, record_walls};
 use super::renewal::Horizon;
 use super::reorder::reorder;
@@ -75,9 +76,9 @@ impl World {
     /// ghosts.
     fn step_until_complete(&mut self, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
         let single = dt as f32;
-        // Motors drive before the first attempt, because all attempts begin with the same
+        // Motors drive and pumps move before the first attempt, because all attempts begin with the same
         // velocities. They are taken back only if the step fails.
-        let mut driven = Driven::default();
+        let (mut driven, mut pumped) = (Driven::default(), Pumped::default());
         let protocol = self.halo.protocol();
         let mut repeat = |world: &mut Self| {
             let mut wakings = 0;
@@ -118,6 +119,10 @@ impl World {
             if !protocol.migrate(world)? {
                 return Ok(());
             }
+            let World { influences, bodies, .. } = &mut *world;
+            if pump(influences, bodies, seconds, &mut pumped)? {
+                check_displacements(world, single)?;
+            }
             // Between attempts the islands must stay awake, so waking is taken back only here.
             repeat(world).inspect_err(|_| {
                 protocol.give_up(world);
@@ -125,6 +130,7 @@ impl World {
             })
         });
         if done.is_err() {
+            pumped.restore(&mut self.bodies);
             driven.restore(&mut self.bodies, &mut self.boundaries);
         }
         done

@@ -115,7 +115,11 @@ pub(crate) fn energy_in_forces(world: &World) -> Result<f64> {
     let of_influence = |influence: &Influence| match influence.role() {
         Role::Force(force) => force.energy(&bodies),
         Role::Springs(springs) => energy_of_springs(springs, all, &settings.container),
-        Role::Motor(_) | Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => Ok(0.0),
+        Role::Motor(_)
+        | Role::Thermostat(_)
+        | Role::ThermalWalls(_)
+        | Role::Andersen(_)
+        | Role::Pump(_) => Ok(0.0),
     };
     influences.list().iter().map(of_influence).sum()
 }

@@ -30,7 +30,7 @@ pub(crate) fn may_sleep(settings: &WorldSettings, influences: &Influences, walls
     let lets_rest = |influence: &Influence| match influence.role() {
         Role::Springs(_) | Role::Motor(_) | Role::Thermostat(_) => true,
         Role::Force(force) => matches!(force.partners(), Partners::One(_)),
-        Role::ThermalWalls(_) | Role::Andersen(_) => false,
+        Role::ThermalWalls(_) | Role::Andersen(_) | Role::Pump(_) => false,
     };
     settings.sleeping
         && settings.on_touch == OnTouch::Bounce

@@ -19,7 +19,7 @@ use jostle_base::error::Result;
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 16;
+const VERSION: u32 = 17;
 
 impl Saved for World {
     fn put(&self, to: &mut Writer) {
