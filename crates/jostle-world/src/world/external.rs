@@ -16,6 +16,9 @@ use jostle_base::memory::{self, copy_option};
 use jostle_base::saved;
 use jostle_index::period::Period;
 
+/// Ids, forces on them, and the points at which these act if it is not the centres.
+type Given<'a> = (&'a [Id], &'a [[f32; 2]], Option<&'a [[f32; 2]]>);
+
 /// The external accelerations, by row.
 #[derive(Debug, Default)]
 pub(crate) struct External {
@@ -115,7 +118,7 @@ impl External {
         &self,
         bodies: &Bodies,
         (halo, period): (&dyn Distribution, Period<f64>),
-        (ids, newtons, points): (&[Id], &[[f32; 2]], Option<&[[f32; 2]]>),
+        (ids, newtons, points): Given<'_>,
     ) -> Result<Vec<[f32; 3]>> {
         let rows = bodies.rows_of(ids)?;
         check_vectors("forces", newtons)?;
