@@ -94,7 +94,7 @@ def test_files_of_this_format_can_be_loaded() -> None:
     assert json.loads(str(world.attachment)) == {"name": "µ"}
     assert world.add((1, 1), 0.5) == 12 and world.radii[-1] == 0.5
     world = jostle.World.load(FILES / "snapshot-forces.jostle")
-    assert len(world.forces) == 10 and world.walls.velocities.tolist() == [[0.25, 0], [0, 0]]
+    assert len(world.forces) == 11 and world.walls.velocities.tolist() == [[0.25, 0], [0, 0]]
     assert world.sensors.tolist() == [False, True, False, False, False, False]
 
 
