@@ -121,8 +121,11 @@ pub fn push<V>(values: &mut Vec<V>, value: V) -> Result<()> {
 /// Appends all values of an iterator.
 #[inline]
 pub fn extend<V>(values: &mut Vec<V>, more: impl IntoIterator<Item = V>) -> Result<()> {
-    let more = more.into_iter();
-    reserve(values, more.size_hint().0)?;
+    let mut more = more.into_iter();
+    let least = more.size_hint().0;
+    reserve(values, least)?;
+    // These need no test of the capacity for each value, so the loop can use vector instructions.
+    values.extend(more.by_ref().take(least));
     for value in more {
         push(values, value)?;
     }

@@ -97,7 +97,11 @@ impl<T: Scalar> Period<T> {
     }
 
     /// The number of periods from the position in the first period to a position.
+    #[inline]
     pub fn turns_of(&self, point: [T; 2]) -> Turns {
+        if self.is_none() {
+            return [0; 2];
+        }
         let first = self.wrap(point);
         [0, 1].map(|axis| match point[axis] - first[axis] {
             away if away == T::ZERO => 0,

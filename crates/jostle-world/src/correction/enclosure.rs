@@ -93,18 +93,20 @@ impl Enclosure<'_> {
         [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
     }
 
-    /// The square of a displacement that walls certainly allow: nearly that of the radius, if the
-    /// particle is farther away from all walls. Nearly all are.
+    /// The square of a displacement that walls certainly allow: nearly that of the radius, or of the known
+    /// distance from walls if it is less. 0 near the container.
     #[inline(always)]
     pub fn free_square(&self, index: u32) -> f32 {
         let Self { motions, particles, walls } = self;
         let container = &walls.container;
         let (position, radius) = (motions.position(index), particles.radii[index as usize]);
-        // A displacement of nearly one radius is then free of walls; larger ones take the exact
-        // path.
-        let is_free = (walls.is_empty() || walls.is_far(index, position, radius))
-            && (!container.has_sides() || container.inner().contains(position, 2.0 * radius));
-        if is_free { FREE * radius * radius } else { 0.0 }
+        // Larger displacements take the exact path. Slow particles are searched for walls in small
+        // bounds, so that the known distance is often less than the radius, also far from walls.
+        let free = if walls.is_empty() { radius } else { walls.clearance(index, position) };
+        let free = free.clamp(0.0, radius);
+        let is_inside =
+            !container.has_sides() || container.inner().contains(position, radius + free);
+        if is_inside { FREE * free * free } else { 0.0 }
     }
 }
 

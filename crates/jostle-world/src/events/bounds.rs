@@ -16,8 +16,9 @@ pub trait SweptBounds {
     /// Until when they are made, in seconds since the beginning of the flight.
     fn horizon(&self) -> f64;
     /// Makes bounds around the present places of all discs for some of the `left` seconds, and
-    /// replaces the pairs that may meet in them. Returns for how many seconds.
-    fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64>;
+    /// replaces the pairs that may meet in them. Returns for how many seconds, and whether all discs stay in
+    /// their bounds until then if they have no events.
+    fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<(f64, bool)>;
     /// Forgets what was added for the window before.
     fn begin_window(&mut self);
     /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and appends

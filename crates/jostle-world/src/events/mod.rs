@@ -168,11 +168,15 @@ impl Events {
                 window.fill_now(&mut now)?;
                 window.now = &now;
             }
+            // Whether all discs without events stay in their bounds in this window.
+            let mut are_within = flight.bounded && begin == 0.0 && !self.is_renewed;
             if begin >= horizon {
                 // On a torus a disc must not be searched too far away, or it would meet images of
                 // itself. So the bounds of fast discs hold for a limited time, and are then made
                 // anew.
-                let seconds = self.renew(&window, bounds, &mut candidates, &mut anchors)?;
+                let seconds;
+                (seconds, are_within) =
+                    self.renew(&window, bounds, &mut candidates, &mut anchors)?;
                 shortest = seconds / MAX_WINDOWS;
                 let is_last = seconds >= flight.end - begin;
                 horizon = if is_last { f64::INFINITY } else { begin + seconds };
@@ -184,7 +188,7 @@ impl Events {
                 (window.anchors, window.candidates) = (Some(&anchors[..]), &candidates.pairs[..]);
             }
             window.end = window.end.min(horizon);
-            begin = self.simulate_window(window, bounds, shortest)?;
+            begin = self.simulate_window(window, (bounds, are_within), shortest)?;
             // After the last window nothing continues.
             if begin < flight.end {
                 self.carry_over(&mut carried)?;
@@ -207,16 +211,17 @@ impl Events {
     }
 
     /// Renews the bounds around where the discs of a window are, and takes their pairs. Returns for
-    /// how many seconds all processes have made them.
+    /// how many seconds all processes have made them, and whether all discs stay in them until then if they
+    /// have no events.
     fn renew(
         &mut self,
         window: &TimeWindow<'_>,
         bounds: &mut dyn SweptBounds,
         candidates: &mut Candidates,
         anchors: &mut Vec<[f32; 2]>,
-    ) -> Result<f64> {
+    ) -> Result<(f64, bool)> {
         let flight = window.flight;
-        let seconds = bounds.renew(window.now, flight.end - window.begin, candidates)?;
+        let (seconds, are_within) = bounds.renew(window.now, flight.end - window.begin, candidates)?;
         // All processes must have windows of the same length, because they compare trajectories
         // window by window. So the process with the shortest horizon decides.
         let seconds = shortest_of_all(flight, seconds)?;
@@ -226,7 +231,7 @@ impl Events {
         let lists = (&candidates.pairs[..], candidates.offsets.iter().copied());
         self.neighbors.fill(window.starts.len(), lists, self.size, flight.threads)?;
         memory::assign(&mut self.sensed_near, &candidates.sensed)?;
-        Ok(seconds)
+        Ok((seconds, are_within))
     }
 
     /// Whether a disc of this process has more than [`MAX_COLLISIONS`] collisions in the step.
@@ -240,7 +245,7 @@ impl Events {
     fn simulate_window(
         &mut self,
         mut window: TimeWindow<'_>,
-        bounds: &mut dyn SweptBounds,
+        (bounds, are_within): (&mut dyn SweptBounds, bool),
         shortest: f64,
     ) -> Result<f64> {
         // A window has five parts. First, each block finds the impacts along the first pieces.
@@ -255,10 +260,9 @@ impl Events {
         // Neighbours that were found only because a disc left its bounds in the last window are
         // forgotten. Those that may also meet later are kept.
         self.sensed_near.retain(|near| near.lasts);
-        if !window.flight.bounded || window.begin > 0.0 || window.anchors.is_some() {
+        if !are_within {
             // Bounds grow before the first impacts are searched: these must include all discs that
-            // a first piece can reach. In the first window they hold by construction if `bounded`
-            // says so.
+            // a first piece can reach. New bounds contain the first pieces, unless they are cut.
             find_outside_at_start(&window, bounds.reaches(), &mut self.outside)?;
             self.grow(&window, bounds)?;
         }

@@ -65,6 +65,16 @@ impl Around<'_> {
         left >= 0.0 && square <= left * left
     }
 
+    /// A distance by which a disc at a position may certainly be displaced without touching a wall, in
+    /// float32; not above 0 if none is known.
+    #[inline(always)]
+    pub fn clearance(&self, index: u32, [x, y]: [f32; 2]) -> f32 {
+        let at = index as usize;
+        let [p, q] = self.particles.positions[at];
+        let far = ((x - p) * (x - p) + (y - q) * (y - q)).sqrt();
+        self.near.free[at] - far * (1.0 + 4.0 * f32::EPSILON)
+    }
+
     /// Whether a disc may come within `extent` of a wall at the beginning of a straight path, and
     /// anywhere on it; false only if it certainly does not, in float32. The wall `left` does not
     /// count if the path leads away from it.

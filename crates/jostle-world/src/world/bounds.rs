@@ -336,15 +336,15 @@ impl SweptBounds for StepBounds<'_> {
         self.horizon
     }
 
-    fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64> {
+    fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<(f64, bool)> {
         let (seconds, usual_speed) = self.crowding.horizon(now, left);
         let Self { particles, settings, reaches, grown, renewed, .. } = self;
         // The circles that have grown enlarge the old bounds.
         grown.circles.clear();
         let allowed = (seconds as f32, usual_speed);
-        renewed.rebuild(now, allowed, (particles, settings), reaches)?;
+        let are_within = renewed.rebuild(now, allowed, (particles, settings), reaches)?;
         renewed.list(particles, settings, to)?;
-        Ok(seconds)
+        Ok((seconds, are_within))
     }
 
     fn begin_window(&mut self) {

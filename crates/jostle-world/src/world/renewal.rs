@@ -9,7 +9,7 @@ use std::cmp;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::reach::{distance_at, distance_of_fall, rounding};
+use super::reach::{distance_at, distance_of_fall, rounding_of, torus_sides};
 use super::reductions::Everywhere;
 use super::search::{self, ListScratch, Lists};
 use super::settings::{OnTouch, WorldSettings};
@@ -198,14 +198,15 @@ impl Renewed {
     }
 
     /// Makes bounds for some seconds around where all particles are `now`, which allow for a usual
-    /// speed, and writes how far particles get in them.
+    /// speed, and writes how far particles get in them. Returns whether all particles stay in theirs if they
+    /// have no events.
     pub(crate) fn rebuild(
         &mut self,
         now: &[Start],
         (seconds, usual_speed): (f32, f32),
         (particles, settings): (&Particles, &WorldSettings),
         reaches: &mut [f32],
-    ) -> Result<()> {
+    ) -> Result<bool> {
         let Self { is_used, centers, tiles, shapes, tree, .. } = self;
         let container = &settings.container;
         *is_used = true;
@@ -224,21 +225,26 @@ impl Renewed {
         let usual = usual_speed * seconds;
         let fall = distance_of_fall(settings.gravity, seconds);
         let longest = container.max_reach();
+        let mut is_cut = false;
         for (to, of) in reaches.iter_mut().zip(now) {
             let least = if of.is_movable { usual } else { 0.0 };
-            *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
+            let own = distance_at(of.velocity, seconds);
+            *to = (own.max(least) + fall).min(longest);
+            is_cut |= *to < own + fall;
         }
         let columns = shapes.columns_mut();
         memory::assign(columns.centers, centers)?;
         let radii = columns.radii.rows_mut();
         radii.clear();
+        let sides = torus_sides(container);
         let all = now.iter().zip(reaches.iter());
         let all =
-            all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container));
+            all.map(|(of, by)| of.radius + by + 2.0 * rounding_of(of.position, of.radius, sides));
         memory::extend(radii, all)?;
         fill_filters(particles.filters.iter().copied(), columns.filters)?;
         // Ties need no order: only the list of candidate pairs depends on this tree.
-        tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
+        tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)?;
+        Ok(!is_cut)
     }
 
     /// Lists the candidate pairs of the new bounds.
