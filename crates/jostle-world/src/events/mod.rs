@@ -221,7 +221,8 @@ impl Events {
         anchors: &mut Vec<[f32; 2]>,
     ) -> Result<(f64, bool)> {
         let flight = window.flight;
-        let (seconds, are_within) = bounds.renew(window.now, flight.end - window.begin, candidates)?;
+        let (seconds, are_within) =
+            bounds.renew(window.now, flight.end - window.begin, candidates)?;
         // All processes must have windows of the same length, because they compare trajectories
         // window by window. So the process with the shortest horizon decides.
         let seconds = shortest_of_all(flight, seconds)?;

@@ -147,31 +147,46 @@ impl NearBlock {
     /// Lists the neighbours of each disc.
     fn fill(&mut self, lists: &[PairList], codes: impl Fn(u32) -> u32) -> Result<()> {
         let Self { first, len, inside, across, starts, all } = self;
-        let of_inside = inside.iter().flat_map(|(list, range)| {
-            let (pairs, code) = (&lists[*list as usize].1, codes(*list));
-            let pairs = &pairs[range.start as usize..range.end as usize];
-            pairs.iter().flat_map(move |&[a, b]| [(a, b, code), (b, a, opposite(code))])
-        });
-        let offset = |disc: u32| disc.wrapping_sub(*first) as usize;
+        let place = |disc: u32| disc.wrapping_sub(*first) as usize;
+        let of_inside = || {
+            inside.iter().map(|(list, range)| {
+                let pairs = &lists[*list as usize].1;
+                (&pairs[range.start as usize..range.end as usize], codes(*list))
+            })
+        };
         let of_across =
-            across.iter().map(
-                |&([a, b], code)| {
-                    if offset(a) < *len { (a, b, code) } else { (b, a, opposite(code)) }
-                },
-            );
-        let of_inside_len: usize = inside.iter().map(|(_, range)| 2 * range.len()).sum();
-        memory::resize(starts, *len + 1, 0)?;
-        starts[0] = 0;
-        memory::resize(all, of_inside_len + across.len(), Neighbor::default())?;
+            || {
+                across.iter().map(|&([a, b], code)| {
+                    if place(a) < *len { (a, b, code) } else { (b, a, opposite(code)) }
+                })
+            };
         // Sorting by counting keeps the order of the input within each disc. So the order of
         // neighbours follows from the lists of pairs.
-        sorting::counting_sort(
-            of_inside.chain(of_across),
-            |&(disc, ..)| offset(disc),
-            |(_, index, image)| Neighbor { index, image },
-            &mut starts[1..],
-            all,
-        );
+        memory::resize(starts, *len + 1, 0)?;
+        starts.fill(0);
+        let ends = &mut starts[1..];
+        for (pairs, _) in of_inside() {
+            for pair in pairs {
+                pair.iter().for_each(|&disc| ends[place(disc)] += 1);
+            }
+        }
+        of_across().for_each(|(disc, ..)| ends[place(disc)] += 1);
+        let all_len = ends.iter().sum::<u32>() as usize;
+        memory::resize(all, all_len, Neighbor::default())?;
+        // `ends` has the next free place of each disc until all are written.
+        sorting::prefix_sum(ends);
+        let mut put = |disc: u32, index: u32, image: u32| {
+            let next = &mut ends[place(disc)];
+            all[*next as usize] = Neighbor { index, image };
+            *next += 1;
+        };
+        for (pairs, code) in of_inside() {
+            for &[a, b] in pairs {
+                put(a, b, code);
+                put(b, a, opposite(code));
+            }
+        }
+        of_across().for_each(|(disc, index, image)| put(disc, index, image));
         Ok(())
     }
 
