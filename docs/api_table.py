@@ -24,6 +24,7 @@ from types import ModuleType
 from typing import Any
 
 import jostle
+from jostle.mpi.attributes import Attribute
 from jostle.results.base import Result
 
 ROOT = Path(__file__).parents[1]
@@ -135,6 +136,15 @@ def module_table(name: str) -> str:
     return table(name, rows)
 
 
+ATTRIBUTES = {
+    "Setting": "assignable",
+    "Column": "read-only",
+    "WallColumn": "assignable",
+    "WallQuery": "method of `jostle.Walls`",
+}
+"""What the attributes of distributed worlds are."""
+
+
 def python_members(owner: type) -> dict[str, tuple[str, str]]:
     """Return the methods and properties of a class in Python: name, arguments or kind, result."""
     found = {}
@@ -145,6 +155,8 @@ def python_members(owner: type) -> dict[str, tuple[str, str]]:
         if isinstance(thing, property):
             result = annotation(inspect.signature(thing.fget).return_annotation)
             found[key] = ("assignable" if thing.fset else "read-only", result)
+        elif isinstance(thing, Attribute):
+            found[key] = (ATTRIBUTES[type(thing).__name__], "")
         elif inspect.isfunction(thing) or isinstance(thing, classmethod):
             called_as = getattr(owner, key)
             result = annotation(inspect.signature(called_as).return_annotation)

@@ -95,6 +95,12 @@ def test_wall_events() -> None:
                 ours.remove(of_rank(gone))
                 for one in (world, ours):
                     one.walls.remove([0, 5])
+        centers = world.positions[::10]
+        rays = {"origin": centers, "direction": (3.0, 1.0), "max_distance": 20.0}
+        for query in ("raycast", "shape_cast"):
+            found = [getattr(of.walls, query)(**rays) for of in (world, ours)]
+            assert found[0] == found[1] and (found[0].ids >= 0).any(), query
+        assert world.walls.nearest(centers) == ours.walls.nearest(centers)
         assert world.state_hash() == ours.state_hash(), name
         assert crossed > 0 or name != "long steps"
         assert sides > 0 or world.container is None

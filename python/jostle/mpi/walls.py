@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, overload
 
 import numpy as np
@@ -29,11 +30,25 @@ class WallColumn(Attribute):
         walls._world._edit_walls(lambda all_walls: setattr(all_walls, self._name, value))
 
 
+class WallQuery(Attribute):
+    """A query of the walls by their ids. It is not collective, because each rank has all walls."""
+
+    @overload
+    def __get__(self, walls: None, owner: type) -> WallQuery: ...
+    @overload
+    def __get__(self, walls: Any, owner: type) -> Callable[..., Any]: ...
+    def __get__(self, walls: Any, owner: type) -> WallQuery | Callable[..., Any]:
+        if walls is None:
+            return self
+        query: Callable[..., Any] = getattr(walls._world._core.walls, self._name)
+        return query
+
+
 class Walls:
     """The walls of a `jostle.mpi.World`, the same on all ranks.
 
     `add`, `set`, `remove` and the assignment of a column are collective calls, with the same
-    arguments on all ranks. All that reads is not collective.
+    arguments on all ranks. All that reads, queries included, is not collective.
 
     Parameters
     ----------
@@ -54,6 +69,8 @@ class Walls:
     0
     >>> world.walls.friction
     array([0.5], dtype=float32)
+    >>> world.walls.raycast((1, 5), (0, -1)).id
+    0
     """
 
     __slots__ = ("_world",)
@@ -209,6 +226,15 @@ class Walls:
     )
     categories = WallColumn("Categories: ndarray of uint32, shape (m,).")
     masks = WallColumn("Masks: ndarray of uint32, shape (m,).")
+
+    query_rect = WallQuery("The ids of walls that overlap rectangles; see `jostle.Walls`.")
+    query_circle = WallQuery("The ids of walls that overlap circles; see `jostle.Walls`.")
+    query_point = WallQuery("The ids of walls at points; see `jostle.Walls`.")
+    query_polygon = WallQuery("The ids of walls that overlap a polygon; see `jostle.Walls`.")
+    nearest = WallQuery("The walls nearest to points; see `jostle.Walls`.")
+    raycast = WallQuery("The first wall on each ray; see `jostle.Walls`.")
+    raycast_all = WallQuery("All walls on each ray; see `jostle.Walls`.")
+    shape_cast = WallQuery("The first wall that each moving shape touches; see `jostle.Walls`.")
 
     def __len__(self) -> int:
         return len(self._world._core.walls)
