@@ -98,7 +98,7 @@ NOTHING_CHANGED: dict[type[Exception], list[tuple[Act, str]]] = {
     TypeError: [
         (lambda w: w.step("1"), "dt must be a number, not str"),
         (lambda w: w.step(0.1, 1.5), "steps must be an integer, not float"),
-        (lambda w: w.add((0, 1)), "World.add() missing 1 required positional argument: 'radii'"),
+        (lambda w: w.add((0, 1)), "World.add() is missing the argument 'radii'"),
         (
             lambda w: w.add((0, 1), 1, restitutions=1),
             "World.add() got an unexpected keyword argument 'restitutions'; did you mean 'rest",

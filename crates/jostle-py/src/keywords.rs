@@ -1,7 +1,9 @@
 //! Arguments of a call by name, with errors that name the call and suggest the right word.
 //!
 //! pyo3 names the method `__new__` in the errors of a constructor, so constructors read all their arguments here. Other
-//! calls take what pyo3 does not know as `**unknown`, and refuse it with [`refuse_unknown`].
+//! calls take what pyo3 does not know as `**unknown`, and refuse it with [`refuse_unknown`]. Arguments that must be given
+//! are optional for pyo3, and [`read`] finds those that are missing: pyo3 would refuse `radius=1` because `radii` is
+//! missing, and say nothing of the misspelt name.
 
 use jostle_base::error::counted;
 use pyo3::PyTypeInfo;
@@ -67,11 +69,22 @@ impl<'py> Keywords<'py> {
                 if let Some((given, _)) = self.left.iter().find(|(given, _)| is_near(name, given)) {
                     return Err(unexpected(self.call, given, &[*name]));
                 }
-                let message = format!("{} is missing the argument '{name}'", self.call);
-                Err(PyTypeError::new_err(message))
+                Err(missing(self.call, name))
             }
             None => Ok(all.map(|value| value.expect("each is given"))),
         }
+    }
+
+    /// The values of arguments that must be given, by position or by name.
+    pub fn require_given<const N: usize>(
+        &mut self,
+        arguments: [(&'static str, Given<'py>); N],
+    ) -> PyResult<[Bound<'py, PyAny>; N]> {
+        let names = arguments.each_ref().map(|(name, _)| *name);
+        for (name, given) in &arguments {
+            self.left.extend(given.value().map(|value| ((*name).to_string(), value.clone())));
+        }
+        self.require(names)
     }
 
     /// The value of a keyword that may be omitted.
@@ -115,6 +128,37 @@ pub fn refuse_unknown<C: PyTypeInfo>(
     Err(unexpected_in(&name.py().get_type::<C>().getattr(method)?, &name)?)
 }
 
+/// The arguments that a method of a class must be given. Refuses keywords that it does not know.
+pub fn read<'a, 'py, C: PyTypeInfo, const N: usize>(
+    method: &str,
+    unknown: Option<&Bound<'_, PyDict>>,
+    arguments: [(&str, &'a Given<'py>); N],
+) -> PyResult<[&'a Bound<'py, PyAny>; N]> {
+    refuse_unknown::<C>(method, unknown)?;
+    required(arguments, || Python::attach(|py| qualified(&py.get_type::<C>().getattr(method)?)))
+}
+
+/// The arguments that a function of the module must be given. Refuses keywords that it does not know.
+pub fn read_of_function<'a, 'py, const N: usize>(
+    function: &str,
+    unknown: Option<&Bound<'_, PyDict>>,
+    arguments: [(&str, &'a Given<'py>); N],
+) -> PyResult<[&'a Bound<'py, PyAny>; N]> {
+    refuse_unknown_of_function(function, unknown)?;
+    required(arguments, || Ok(format!("{function}()")))
+}
+
+/// The values of arguments; an error that names the call if one is missing.
+fn required<'a, 'py, const N: usize>(
+    arguments: [(&str, &'a Given<'py>); N],
+    call: impl Fn() -> PyResult<String>,
+) -> PyResult<[&'a Bound<'py, PyAny>; N]> {
+    if let Some((name, _)) = arguments.iter().find(|(_, given)| given.value().is_none()) {
+        return Err(missing(&call()?, name));
+    }
+    Ok(arguments.map(|(_, given)| given.value().expect("each is given")))
+}
+
 /// Refuses keywords that a function of the module does not know.
 pub fn refuse_unknown_of_function(
     function: &str,
@@ -127,9 +171,18 @@ pub fn refuse_unknown_of_function(
 /// The error for a keyword that a callable does not know. Its arguments are those in its signature.
 fn unexpected_in(callable: &Bound<'_, PyAny>, name: &Bound<'_, PyAny>) -> PyResult<PyErr> {
     let signature: String = callable.getattr("__text_signature__")?.extract()?;
-    let shown: String = callable.getattr("__qualname__")?.extract()?;
     let known: Vec<&str> = names_in(&signature).collect();
-    Ok(unexpected(&format!("{shown}()"), &name.cast::<PyString>()?.to_cow()?, &known))
+    Ok(unexpected(&qualified(callable)?, &name.cast::<PyString>()?.to_cow()?, &known))
+}
+
+/// How errors name a callable: `World.step()`.
+fn qualified(callable: &Bound<'_, PyAny>) -> PyResult<String> {
+    Ok(format!("{}()", callable.getattr("__qualname__")?.extract::<String>()?))
+}
+
+/// The error for an argument that is missing.
+fn missing(call: &str, name: &str) -> PyErr {
+    PyTypeError::new_err(format!("{call} is missing the argument '{name}'"))
 }
 
 /// The names of the arguments in a signature: `a` and `b` in `($self, a, *, b=(0, 1))`.

@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Given, count, decimal, number, point, table};
 use crate::error::{refused, type_error};
-use crate::keywords::refuse_unknown_of_function;
+use crate::keywords::read_of_function;
 use crate::results;
 use crate::world::PyWorld;
 
@@ -133,17 +133,17 @@ pub fn default_count(name: &Bound<'_, PyAny>) -> PyResult<usize> {
 /// 100
 #[pyfunction]
 #[pyo3(
-    signature = (name, n=None, seed=Given::NOTHING, **unknown),
+    signature = (name=Given::NOTHING, n=None, seed=Given::NOTHING, **unknown),
     text_signature = "(name, n=None, seed=0)"
 )]
 pub fn create(
     py: Python<'_>,
-    name: &Bound<'_, PyAny>,
+    name: Given<'_>,
     n: Option<&Bound<'_, PyAny>>,
     seed: Given<'_>,
     unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyWorld> {
-    refuse_unknown_of_function("create_scene", unknown)?;
+    let [name] = read_of_function("create_scene", unknown, [("name", &name)])?;
     let (scene, n) = (scene(name)?, particles(n)?);
     let seed = seed.value().map_or(Ok(0), |seed| count("seed", seed, 0))?;
     let world = py.detach(|| scene.create(n, seed as u64));

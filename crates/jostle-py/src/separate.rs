@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{Argument, Given, count, number, reals};
 use crate::error::{refused, value_error};
 use crate::interrupt::detached;
-use crate::keywords::refuse_unknown_of_function;
+use crate::keywords::read_of_function;
 use crate::queries::Maybe;
 use crate::results;
 use crate::settings;
@@ -103,7 +103,7 @@ use crate::shapes::{Rows, Shapes};
 #[pyfunction]
 #[pyo3(
     signature = (
-        positions, radii=Given::NOTHING, half_sizes=None, *, weights=Given::NOTHING, movable=None,
+        positions=Given::NOTHING, radii=Given::NOTHING, half_sizes=None, *, weights=Given::NOTHING, movable=None,
         axis=None, gap=Given::NOTHING, bounds=None, max_rounds=Given::NOTHING,
         tolerance=Given::NOTHING, threads=None, **unknown),
     text_signature = "(positions, radii=0.0, half_sizes=None, *, weights=1.0, movable=True, \
@@ -113,7 +113,7 @@ use crate::shapes::{Rows, Shapes};
 #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
 pub fn separate<'py>(
     py: Python<'py>,
-    positions: &Bound<'py, PyAny>,
+    positions: Given<'py>,
     radii: Given<'py>,
     half_sizes: Maybe<'_, 'py>,
     weights: Given<'py>,
@@ -126,7 +126,7 @@ pub fn separate<'py>(
     threads: Maybe<'_, 'py>,
     unknown: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    refuse_unknown_of_function("separate", unknown)?;
+    let [positions] = read_of_function("separate", unknown, [("positions", &positions)])?;
     let read = |name, given: &Given<'py>, default| {
         given.value().map_or(Ok(default), |value| number(name, value))
     };

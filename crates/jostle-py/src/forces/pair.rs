@@ -13,7 +13,7 @@ use super::arguments::arguments;
 use super::{real, real_or};
 use crate::arrays::{Argument, Given, decimal};
 use crate::error::refused;
-use crate::keywords::{Keywords, refuse_unknown};
+use crate::keywords::{Keywords, read};
 
 /// Forces between kinds of particles within a cutoff.
 ///
@@ -134,17 +134,18 @@ impl PyPairForce {
     /// (2, 2, 21)
     #[staticmethod]
     #[pyo3(
-        signature = (matrix, cutoff, core=Given::NOTHING, *, strength=Given::NOTHING, **unknown),
+        signature = (matrix=Given::NOTHING, cutoff=Given::NOTHING, core=Given::NOTHING, *, strength=Given::NOTHING, **unknown),
         text_signature = "(matrix, cutoff, core=0.3, *, strength=1.0)"
     )]
     fn particle_life(
-        matrix: &Bound<'_, PyAny>,
-        cutoff: &Bound<'_, PyAny>,
+        matrix: Given<'_>,
+        cutoff: Given<'_>,
         core: Given<'_>,
         strength: Given<'_>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        refuse_unknown::<Self>("particle_life", unknown)?;
+        let [matrix, cutoff] =
+            read::<Self, 2>("particle_life", unknown, [("matrix", &matrix), ("cutoff", &cutoff)])?;
         let (count, matrix) = Argument::reals("matrix", matrix)?.square(None)?;
         let cutoff = real("cutoff", cutoff)?;
         let core = real_or("core", &core, 0.3)?;
@@ -201,16 +202,20 @@ impl PyPairForce {
     /// -0.984
     #[staticmethod]
     #[pyo3(
-        signature = (epsilon, sigma, cutoff, **unknown),
+        signature = (epsilon=Given::NOTHING, sigma=Given::NOTHING, cutoff=Given::NOTHING, **unknown),
         text_signature = "(epsilon, sigma, cutoff)"
     )]
     fn lennard_jones(
-        epsilon: &Bound<'_, PyAny>,
-        sigma: &Bound<'_, PyAny>,
-        cutoff: &Bound<'_, PyAny>,
+        epsilon: Given<'_>,
+        sigma: Given<'_>,
+        cutoff: Given<'_>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        refuse_unknown::<Self>("lennard_jones", unknown)?;
+        let [epsilon, sigma, cutoff] = read::<Self, 3>(
+            "lennard_jones",
+            unknown,
+            [("epsilon", &epsilon), ("sigma", &sigma), ("cutoff", &cutoff)],
+        )?;
         let squares = Squares::read([("epsilon", epsilon), ("sigma", sigma)])?;
         let (count, [epsilon, sigma]) = (squares.count, &squares.all);
         let cutoff = real("cutoff", cutoff)?;
@@ -252,16 +257,20 @@ impl PyPairForce {
     /// 50.0
     #[staticmethod]
     #[pyo3(
-        signature = (stiffness, diameters, *, damping=Given::NOTHING, **unknown),
+        signature = (stiffness=Given::NOTHING, diameters=Given::NOTHING, *, damping=Given::NOTHING, **unknown),
         text_signature = "(stiffness, diameters, *, damping=0.0)"
     )]
     fn soft_discs(
-        stiffness: &Bound<'_, PyAny>,
-        diameters: &Bound<'_, PyAny>,
+        stiffness: Given<'_>,
+        diameters: Given<'_>,
         damping: Given<'_>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        refuse_unknown::<Self>("soft_discs", unknown)?;
+        let [stiffness, diameters] = read::<Self, 2>(
+            "soft_discs",
+            unknown,
+            [("stiffness", &stiffness), ("diameters", &diameters)],
+        )?;
         let squares = Squares::read([("stiffness", stiffness), ("diameters", diameters)])?;
         let (count, [stiffness, diameters]) = (squares.count, &squares.all);
         let damping = real_or("damping", &damping, 0.0)?;

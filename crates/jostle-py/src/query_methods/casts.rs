@@ -65,21 +65,21 @@ macro_rules! cast_methods {
             /// >>> hits.ids, hits.walls, hits.distances
             /// (array([ 0, -1]), array([-1, -2]), array([2., 5.], dtype=float32))
             #[pyo3(
-                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
+                signature = (origin=Given::NOTHING, direction=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
             #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
             fn raycast<'py>(
                 &self,
                 py: Python<'py>,
-                origin: &Bound<'py, PyAny>,
-                direction: &Bound<'py, PyAny>,
+                origin: Given<'py>,
+                direction: Given<'py>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("raycast", unknown)?;
+                let [origin, direction] = crate::keywords::read::<Self, 2>("raycast", unknown, [("origin", &origin), ("direction", &direction)])?;
                 let sizes = (None, None);
                 let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
                 self.cast(py, &cast, mask, false)
@@ -127,21 +127,21 @@ macro_rules! cast_methods {
             /// >>> hits.ids, hits.distances
             /// (array([0, 1]), array([3., 6.]))
             #[pyo3(
-                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
+                signature = (origin=Given::NOTHING, direction=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
             #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
             fn raycast_all<'py>(
                 &self,
                 py: Python<'py>,
-                origin: &Bound<'py, PyAny>,
-                direction: &Bound<'py, PyAny>,
+                origin: Given<'py>,
+                direction: Given<'py>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("raycast_all", unknown)?;
+                let [origin, direction] = crate::keywords::read::<Self, 2>("raycast_all", unknown, [("origin", &origin), ("direction", &direction)])?;
                 let sizes = (None, None);
                 let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
                 self.cast(py, &cast, mask, true)
@@ -197,7 +197,7 @@ macro_rules! cast_methods {
             /// (2.5, array([-1.,  0.]), array([-1.,  0.]))
             #[pyo3(
                 signature = (
-                    origin, direction, *, radii=Given::NOTHING, half_sizes=None,
+                    origin=Given::NOTHING, direction=Given::NOTHING, *, radii=Given::NOTHING, half_sizes=None,
                     max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, origin, direction, *, radii=0.0, half_sizes=None, max_distance=math.inf, mask=None, exclude=None)"
             )]
@@ -205,8 +205,8 @@ macro_rules! cast_methods {
             fn shape_cast<'py>(
                 &self,
                 py: Python<'py>,
-                origin: &Bound<'py, PyAny>,
-                direction: &Bound<'py, PyAny>,
+                origin: Given<'py>,
+                direction: Given<'py>,
                 radii: Given<'py>,
                 half_sizes: Maybe<'_, 'py>,
                 max_distance: Given<'py>,
@@ -214,7 +214,7 @@ macro_rules! cast_methods {
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("shape_cast", unknown)?;
+                let [origin, direction] = crate::keywords::read::<Self, 2>("shape_cast", unknown, [("origin", &origin), ("direction", &direction)])?;
                 let sizes = (half_sizes, radii.value());
                 let cast = Cast { origin, direction, sizes, max_distance: &max_distance, exclude };
                 self.cast(py, &cast, mask, false)

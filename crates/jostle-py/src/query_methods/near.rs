@@ -56,21 +56,21 @@ macro_rules! near_methods {
             /// >>> tree.nearest((2, 0), exclude=1).ids
             /// array([0])
             #[pyo3(
-                signature = (point, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
+                signature = (point=Given::NOTHING, k=Given::NOTHING, *, max_distance=Given::NOTHING, mask=None, exclude=None, **unknown),
                 text_signature = "($self, point, k=1, *, max_distance=math.inf, mask=None, exclude=None)"
             )]
             #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
             fn nearest<'py>(
                 &self,
                 py: Python<'py>,
-                point: &Bound<'py, PyAny>,
+                point: Given<'py>,
                 k: Given<'py>,
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("nearest", unknown)?;
+                let [point] = crate::keywords::read::<Self, 1>("nearest", unknown, [("point", &point)])?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     let wanted = (&k, &max_distance, exclude.as_ref());
@@ -119,17 +119,17 @@ macro_rules! neighbor_methods {
             /// >>> list(tree.neighbors(3.5))
             /// [array([1]), array([0, 2]), array([1])]
             #[pyo3(
-                signature = (distance, *, mask=None, **unknown),
+                signature = (distance=Given::NOTHING, *, mask=None, **unknown),
                 text_signature = "($self, distance, *, mask=None)",
             )]
             fn neighbors<'py>(
                 &self,
                 py: Python<'py>,
-                distance: &Bound<'py, PyAny>,
+                distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("neighbors", unknown)?;
+                let [distance] = crate::keywords::read::<Self, 1>("neighbors", unknown, [("distance", &distance)])?;
                 let (mask, distance) = (queries::mask(mask)?, number("distance", distance)?);
                 $with_index!(self, index => {
                     queries::neighbors(py, distance, |distance| index.neighbors(distance, mask))

@@ -52,18 +52,18 @@ macro_rules! region_methods {
             /// >>> found[1], found.counts
             /// (array([1, 2]), array([1, 2]))
             #[pyo3(
-                signature = (rect, *, mask=None, exclude=None, **unknown),
+                signature = (rect=Given::NOTHING, *, mask=None, exclude=None, **unknown),
                 text_signature = "($self, rect, *, mask=None, exclude=None)",
             )]
             fn query_rect<'py>(
                 &self,
                 py: Python<'py>,
-                rect: &Bound<'py, PyAny>,
+                rect: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("query_rect", unknown)?;
+                let [rect] = crate::keywords::read::<Self, 1>("query_rect", unknown, [("rect", &rect)])?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::rect(py, rect, exclude.as_ref(), |rects| index.search(rects, mask))
@@ -108,19 +108,19 @@ macro_rules! region_methods {
             /// >>> tree.query_circle((1, 0), 1.5)
             /// array([0, 1])
             #[pyo3(
-                signature = (center, radius, *, mask=None, exclude=None, **unknown),
+                signature = (center=Given::NOTHING, radius=Given::NOTHING, *, mask=None, exclude=None, **unknown),
                 text_signature = "($self, center, radius, *, mask=None, exclude=None)",
             )]
             fn query_circle<'py>(
                 &self,
                 py: Python<'py>,
-                center: &Bound<'py, PyAny>,
-                radius: &Bound<'py, PyAny>,
+                center: Given<'py>,
+                radius: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("query_circle", unknown)?;
+                let [center, radius] = crate::keywords::read::<Self, 2>("query_circle", unknown, [("center", &center), ("radius", &radius)])?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::circle(py, center, radius, exclude.as_ref(), |circles| index.search(circles, mask))
@@ -165,18 +165,18 @@ macro_rules! region_methods {
             /// >>> tree.query_point((1.0, 0.2))
             /// array([1])
             #[pyo3(
-                signature = (point, *, mask=None, exclude=None, **unknown),
+                signature = (point=Given::NOTHING, *, mask=None, exclude=None, **unknown),
                 text_signature = "($self, point, *, mask=None, exclude=None)",
             )]
             fn query_point<'py>(
                 &self,
                 py: Python<'py>,
-                point: &Bound<'py, PyAny>,
+                point: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("query_point", unknown)?;
+                let [point] = crate::keywords::read::<Self, 1>("query_point", unknown, [("point", &point)])?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::point(py, point, exclude.as_ref(), |points| index.search(points, mask))
@@ -218,18 +218,18 @@ macro_rules! region_methods {
             /// >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
             /// array([2])
             #[pyo3(
-                signature = (vertices, *, mask=None, exclude=None, **unknown),
+                signature = (vertices=Given::NOTHING, *, mask=None, exclude=None, **unknown),
                 text_signature = "($self, vertices, *, mask=None, exclude=None)",
             )]
             fn query_polygon<'py>(
                 &self,
                 py: Python<'py>,
-                vertices: &Bound<'py, PyAny>,
+                vertices: Given<'py>,
                 mask: Maybe<'_, 'py>,
                 exclude: Maybe<'_, 'py>,
                 unknown: Option<&Bound<'_, pyo3::types::PyDict>>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                crate::keywords::refuse_unknown::<Self>("query_polygon", unknown)?;
+                let [vertices] = crate::keywords::read::<Self, 1>("query_polygon", unknown, [("vertices", &vertices)])?;
                 let (mask, exclude) = (queries::mask(mask)?, queries::excluded(exclude)?);
                 $with_index!(self, index => {
                     queries::polygon(py, vertices, exclude.as_ref(), |polygons| index.search(polygons, mask))

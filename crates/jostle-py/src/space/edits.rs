@@ -12,7 +12,7 @@ use super::columns::moved;
 use super::{Either, PySpace, long};
 use crate::arrays::{Argument, Given, bit_sets, column, reals};
 use crate::ids::Ids;
-use crate::keywords::refuse_unknown;
+use crate::keywords::{read, refuse_unknown};
 use crate::queries::{Maybe, result_of};
 use crate::shapes::{Positions, Where};
 
@@ -174,7 +174,7 @@ impl PySpace {
     /// 0
     #[pyo3(
         signature = (
-            ids, *, positions=None, radii=None, half_sizes=None, boxes=None, segments=None,
+            ids=Given::NOTHING, *, positions=None, radii=None, half_sizes=None, boxes=None, segments=None,
             categories=None, masks=None, **unknown
         ),
         text_signature = "($self, ids, *, positions=None, radii=None, half_sizes=None, boxes=None, \
@@ -184,7 +184,7 @@ impl PySpace {
     fn set<'py>(
         &self,
         py: Python<'py>,
-        ids: &Bound<'py, PyAny>,
+        ids: Given<'py>,
         positions: Maybe<'_, 'py>,
         radii: Maybe<'_, 'py>,
         half_sizes: Maybe<'_, 'py>,
@@ -194,7 +194,7 @@ impl PySpace {
         masks: Maybe<'_, 'py>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        refuse_unknown::<Self>("set", unknown)?;
+        let [ids] = read::<Self, 1>("set", unknown, [("ids", &ids)])?;
         with_space!(self, space => {
             let ids = Ids::read(ids, "shape")?;
             let len = ids.all.len();

@@ -5,7 +5,7 @@ use pyo3::types::PyDict;
 
 use super::{Either, PySpace};
 use crate::arrays::Given;
-use crate::keywords::refuse_unknown;
+use crate::keywords::read;
 use crate::queries::Maybe;
 use crate::slide;
 
@@ -147,7 +147,7 @@ impl PySpace {
     /// (True, True)
     #[pyo3(
         signature = (
-            ids, displacements, *, mask=None, up=Given::NOTHING, floor_angle=Given::NOTHING,
+            ids=Given::NOTHING, displacements=Given::NOTHING, *, mask=None, up=Given::NOTHING, floor_angle=Given::NOTHING,
             snap=Given::NOTHING, step_height=Given::NOTHING, constant_speed=Given::NOTHING,
             one_way=Given::NOTHING, max_slides=Given::NOTHING, **unknown),
         text_signature = "($self, ids, displacements, *, mask=None, up=(0, -1), \
@@ -158,8 +158,8 @@ impl PySpace {
     fn move_and_slide<'py>(
         &self,
         py: Python<'py>,
-        ids: &Bound<'py, PyAny>,
-        displacements: &Bound<'py, PyAny>,
+        ids: Given<'py>,
+        displacements: Given<'py>,
         mask: Maybe<'_, 'py>,
         up: Given<'py>,
         floor_angle: Given<'py>,
@@ -170,7 +170,11 @@ impl PySpace {
         max_slides: Given<'py>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        refuse_unknown::<Self>("move_and_slide", unknown)?;
+        let [ids, displacements] = read::<Self, 2>(
+            "move_and_slide",
+            unknown,
+            [("ids", &ids), ("displacements", &displacements)],
+        )?;
         let rules = slide::Rules::read(&slide::Keywords {
             mask,
             up,

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::PyWorld;
-use crate::arrays::column;
+use crate::arrays::{Given, column};
 use crate::ids::Ids;
 use crate::keywords::Keywords;
 use crate::particles::{self, Arguments, one_or_vectors, only_vector};
@@ -69,7 +69,7 @@ impl PyWorld {
     /// >>> world.radii
     /// array([1. , 0.5, 0.5, 2. ], dtype=float32)
     #[pyo3(
-        signature = (positions, radii, **columns),
+        signature = (positions=Given::NOTHING, radii=Given::NOTHING, **columns),
         text_signature = "($self, positions, radii, *, velocities=(0.0, 0.0), masses=None, \
                           angles=0.0, angular_velocities=0.0, friction=0.0, restitution=1.0, \
                           movable=True, sensors=False, kinds=0, categories=1, \
@@ -78,14 +78,16 @@ impl PyWorld {
     fn add<'py>(
         &self,
         py: Python<'py>,
-        positions: &Bound<'py, PyAny>,
-        radii: &Bound<'py, PyAny>,
+        positions: Given<'py>,
+        radii: Given<'py>,
         columns: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut keywords = Keywords::of("World.add()", columns)?;
-        let arguments = Arguments { radii: Some(radii.clone()), ..Arguments::of(&mut keywords)? };
+        let [positions, radii] =
+            keywords.require_given([("positions", positions), ("radii", radii)])?;
+        let arguments = Arguments { radii: Some(radii), ..Arguments::of(&mut keywords)? };
         keywords.end()?;
-        let (columns, many) = arguments.read_new(positions)?;
+        let (columns, many) = arguments.read_new(&positions)?;
         let len = many.unwrap_or(1);
         let added = self.long(py, |state| {
             // The result before the change, which could not be returned otherwise.
@@ -179,7 +181,7 @@ impl PyWorld {
     /// array([6., 0.])
     /// >>> world.set(0, positions=(2, 1))
     #[pyo3(
-        signature = (ids, **columns),
+        signature = (ids=Given::NOTHING, **columns),
         text_signature = "($self, ids, *, positions=None, velocities=None, radii=None, \
                           masses=None, restitution=None, movable=None, friction=None, \
                           angles=None, angular_velocities=None, categories=None, masks=None, \
@@ -188,13 +190,14 @@ impl PyWorld {
     fn set(
         &self,
         py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
+        ids: Given<'_>,
         columns: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         let mut keywords = Keywords::of("World.set()", columns)?;
+        let [ids] = keywords.require_given([("ids", ids)])?;
         let arguments = Arguments::of(&mut keywords)?;
         keywords.end()?;
-        let ids = Ids::read(ids, "particle")?;
+        let ids = Ids::read(&ids, "particle")?;
         let changes =
             if ids.single { arguments.read_one("id")? } else { arguments.read(ids.all.len())? };
         ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)

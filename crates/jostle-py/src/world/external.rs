@@ -7,10 +7,10 @@ use pyo3::types::PyDict;
 
 use super::PyWorld;
 use super::edits::vectors_of;
-use crate::arrays::{read_only, table};
+use crate::arrays::{Given, read_only, table};
 use crate::error::refused;
 use crate::ids::Ids;
-use crate::keywords::refuse_unknown;
+use crate::keywords::read;
 use crate::particles::one_or_vectors;
 
 #[pymethods]
@@ -62,16 +62,17 @@ impl PyWorld {
     /// >>> world.step(0.5, steps=2)
     /// >>> world.velocities[0].tolist(), world.angular_velocities[0].item()
     /// ([0.0, 0.0], 2.0)
-    #[pyo3(signature = (ids, forces, points=None, **unknown), text_signature = "($self, ids, forces, points=None)")]
+    #[pyo3(signature = (ids=Given::NOTHING, forces=Given::NOTHING, points=None, **unknown), text_signature = "($self, ids, forces, points=None)")]
     fn apply_force(
         &self,
         py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
-        forces: &Bound<'_, PyAny>,
+        ids: Given<'_>,
+        forces: Given<'_>,
         points: Option<&Bound<'_, PyAny>>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        refuse_unknown::<Self>("apply_force", unknown)?;
+        let [ids, forces] =
+            read::<Self, 2>("apply_force", unknown, [("ids", &ids), ("forces", &forces)])?;
         let ids = Ids::read(ids, "particle")?;
         let forces = vectors_of(&ids, "forces", Some(forces))?.unwrap_or_default();
         let points = vectors_of(&ids, "points", points)?;
@@ -117,16 +118,17 @@ impl PyWorld {
     /// >>> world.apply_impulse(1, (0, 6), points=(6, 0))
     /// >>> world.velocities.tolist(), world.angular_velocities.tolist()
     /// ([[0.0, 0.0], [0.0, 3.0]], [0.0, 6.0])
-    #[pyo3(signature = (ids, impulses, points=None, **unknown), text_signature = "($self, ids, impulses, points=None)")]
+    #[pyo3(signature = (ids=Given::NOTHING, impulses=Given::NOTHING, points=None, **unknown), text_signature = "($self, ids, impulses, points=None)")]
     fn apply_impulse(
         &self,
         py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
-        impulses: &Bound<'_, PyAny>,
+        ids: Given<'_>,
+        impulses: Given<'_>,
         points: Option<&Bound<'_, PyAny>>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        refuse_unknown::<Self>("apply_impulse", unknown)?;
+        let [ids, impulses] =
+            read::<Self, 2>("apply_impulse", unknown, [("ids", &ids), ("impulses", &impulses)])?;
         let ids = Ids::read(ids, "particle")?;
         let impulses = vectors_of(&ids, "impulses", Some(impulses))?.unwrap_or_default();
         let points = vectors_of(&ids, "points", points)?;

@@ -12,7 +12,7 @@ use crate::containers;
 use crate::error::refused;
 use crate::forces::read_seed;
 use crate::interrupt::detached;
-use crate::keywords::refuse_unknown;
+use crate::keywords::read;
 
 #[pymethods]
 impl PyWorld {
@@ -78,21 +78,22 @@ impl PyWorld {
     /// >>> corner.shape
     /// (1, 2)
     #[pyo3(
-        signature = (n, radii, *, region=None, gap=Given::NOTHING, seed=Given::NOTHING, **unknown),
+        signature = (n=Given::NOTHING, radii=Given::NOTHING, *, region=None, gap=Given::NOTHING, seed=Given::NOTHING, **unknown),
         text_signature = "($self, n, radii, *, region=None, gap=0.0, seed=0)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn free_positions<'py>(
         &self,
         py: Python<'py>,
-        n: &Bound<'py, PyAny>,
-        radii: &Bound<'py, PyAny>,
+        n: Given<'py>,
+        radii: Given<'py>,
         region: Option<&Bound<'py, PyAny>>,
         gap: Given<'py>,
         seed: Given<'py>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        refuse_unknown::<Self>("free_positions", unknown)?;
+        let [n, radii] =
+            read::<Self, 2>("free_positions", unknown, [("n", &n), ("radii", &radii)])?;
         let count = count("n", n, 0)?;
         let radii: Each<f32> = Argument::reals("radii", radii)?.real_each(count)?;
         let (container, _) = containers::read("region", region)?;

@@ -10,7 +10,7 @@ use super::{PyWorld, State};
 use crate::arrays::{Given, count, number};
 use crate::error::refused;
 use crate::interrupt::detached;
-use crate::keywords::refuse_unknown;
+use crate::keywords::read;
 use crate::results;
 
 /// Interval at which a call of `step` runs signal handlers and lets other threads use the world,
@@ -54,15 +54,15 @@ impl PyWorld {
     /// >>> world.step(0.25, steps=2)
     /// >>> world.positions
     /// array([[4., 0.]], dtype=float32)
-    #[pyo3(signature = (dt, steps=Given::NOTHING, **unknown), text_signature = "($self, dt, steps=1)")]
+    #[pyo3(signature = (dt=Given::NOTHING, steps=Given::NOTHING, **unknown), text_signature = "($self, dt, steps=1)")]
     fn step(
         &self,
         py: Python<'_>,
-        dt: &Bound<'_, PyAny>,
+        dt: Given<'_>,
         steps: Given<'_>,
         unknown: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        refuse_unknown::<Self>("step", unknown)?;
+        let [dt] = read::<Self, 1>("step", unknown, [("dt", &dt)])?;
         let dt = number("dt", dt)?;
         let mut left = steps.value().map_or(Ok(1), |value| count("steps", value, 0))?;
         // Checked before anything changes.

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::{PyWorld, State};
-use crate::arrays::{column, read_only, segments, table};
+use crate::arrays::{Given, column, read_only, segments, table};
 use crate::error::refused;
 use crate::ids::{Ids, left_operand, rows_of_any_shape};
 use crate::keywords::Keywords;
@@ -128,7 +128,7 @@ impl PyWalls {
     /// >>> world.walls.add(((0, 9), (5, 9)))
     /// 2
     #[pyo3(
-        signature = (segments, **columns),
+        signature = (segments=Given::NOTHING, **columns),
         text_signature = "($self, segments, *, velocities=(0.0, 0.0), friction=None, \
                           restitution=None, sensors=False, one_way=False, categories=1, \
                           masks=4294967295)"
@@ -136,11 +136,12 @@ impl PyWalls {
     fn add<'py>(
         &self,
         py: Python<'py>,
-        segments: &Bound<'py, PyAny>,
+        segments: Given<'py>,
         columns: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut keywords = Keywords::of("Walls.add()", columns)?;
-        let (ends, single) = walls::one_or_many("segments", segments)?;
+        let [segments] = keywords.require_given([("segments", segments)])?;
+        let (ends, single) = walls::one_or_many("segments", &segments)?;
         let columns = Columns::read(&mut keywords, (ends.len(), single), as_it_is)?;
         keywords.end()?;
         let mut new = walls::new(ends)?;
@@ -220,7 +221,7 @@ impl PyWalls {
     /// >>> world.walls.friction
     /// array([0.5, nan], dtype=float32)
     #[pyo3(
-        signature = (ids, **columns),
+        signature = (ids=Given::NOTHING, **columns),
         text_signature = "($self, ids, *, segments=None, velocities=None, friction=None, \
                           restitution=None, sensors=None, one_way=None, categories=None, \
                           masks=None)"
@@ -228,11 +229,12 @@ impl PyWalls {
     fn set(
         &self,
         py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
+        ids: Given<'_>,
         columns: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        let ids = Ids::read(ids, "wall")?;
         let mut keywords = Keywords::of("Walls.set()", columns)?;
+        let [ids] = keywords.require_given([("ids", ids)])?;
+        let ids = Ids::read(&ids, "wall")?;
         let columns = Columns::read(&mut keywords, (ids.all.len(), ids.single), as_it_is)?;
         keywords.end()?;
         ids.result_of(
