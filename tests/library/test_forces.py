@@ -171,7 +171,7 @@ def test_a_magnetic_field_turns_velocities() -> None:
         ),
         (lambda w: w.apply_force(3, (0, 0)), "ids is 3; no particle has this id"),
         (lambda w: w.apply_force([0, 3], [(0, 0)] * 2), "ids[1] is 3; no particle has this id"),
-        (lambda w: w.apply_force([0, 1], (1, 1)), "forces has shape (2,)"),
+        (lambda w: w.apply_force([0, 1], [(1, 1)] * 3), "forces has shape (3, 2)"),
         (lambda w: w.apply_force(0, (np.nan, 1)), "forces"),
     ],
 )

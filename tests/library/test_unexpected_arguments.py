@@ -85,21 +85,21 @@ def test_a_misspelt_keyword_is_refused_with_the_right_one(name: str) -> None:
         assert str(caught.value) == text
 
 
-@pytest.mark.parametrize("made", CLASSES)
-def test_a_misspelt_argument_that_must_be_given_is_suggested(made: Callable[..., Any]) -> None:
-    for name, one in inspect.signature(made).parameters.items():
-        if one.default is one.empty and len(name) > 2:
-            misspelt = name[:2] + "q" + name[2:]
-            call = f"{made.__name__}() got an unexpected keyword argument"
-            text = f"{call} '{misspelt}'; did you mean '{name}'?"
-            others = {
-                other: 0
-                for other, rest in inspect.signature(made).parameters.items()
-                if rest.default is rest.empty and other != name
-            }
-            with pytest.raises(TypeError) as caught:
-                made(**others, **{misspelt: 0})
-            assert str(caught.value) == text
+@pytest.mark.parametrize("shown", [*calls(), *(made.__name__ for made in CLASSES)])
+def test_a_misspelt_argument_that_must_be_given_is_suggested(shown: str) -> None:
+    call = calls().get(shown) or getattr(jostle, shown)
+    needed = [
+        name for name, one in inspect.signature(call).parameters.items() if one.default is one.empty
+    ]
+    # No short name is near to another one.
+    for name in (name for name in needed if len(name) > 2):
+        others = {other: 0 for other in needed if other != name}
+        with pytest.raises(TypeError, match=rf"^{shown}\(\) is missing the argument '{name}'$"):
+            call(**others)
+        misspelt = name[:2] + "q" + name[2:]
+        hint = f"unexpected keyword argument '{misspelt}'; did you mean '{name}'\\?$"
+        with pytest.raises(TypeError, match=rf"^{shown}\(\) got an {hint}"):
+            call(**others, **{misspelt: 0})
 
 
 @pytest.mark.parametrize("name", calls())

@@ -98,6 +98,7 @@ def test_an_empty_world(nothing: Any) -> None:
         (0,),
         (0,),
         (0,),
+        (0, 2),
     ]
     at_walls = [part.shape for part in fields(world.last_step.wall_contacts)]
     assert at_walls == [(0,), (0,), (0, 2), (0,), (0,), (0,)]

@@ -135,7 +135,7 @@ pub fn read<'a, 'py, C: PyTypeInfo, const N: usize>(
     arguments: [(&str, &'a Given<'py>); N],
 ) -> PyResult<[&'a Bound<'py, PyAny>; N]> {
     refuse_unknown::<C>(method, unknown)?;
-    required(arguments, || Python::attach(|py| qualified(&py.get_type::<C>().getattr(method)?)))
+    required(arguments, |py| py.get_type::<C>().getattr(method))
 }
 
 /// The arguments that a function of the module must be given. Refuses keywords that it does not know.
@@ -145,16 +145,17 @@ pub fn read_of_function<'a, 'py, const N: usize>(
     arguments: [(&str, &'a Given<'py>); N],
 ) -> PyResult<[&'a Bound<'py, PyAny>; N]> {
     refuse_unknown_of_function(function, unknown)?;
-    required(arguments, || Ok(format!("{function}()")))
+    required(arguments, |py| py.import("jostle._core")?.getattr(function))
 }
 
-/// The values of arguments; an error that names the call if one is missing.
+/// The values of arguments; an error that names the callable if one is missing.
 fn required<'a, 'py, const N: usize>(
     arguments: [(&str, &'a Given<'py>); N],
-    call: impl Fn() -> PyResult<String>,
+    callable: impl for<'all> Fn(Python<'all>) -> PyResult<Bound<'all, PyAny>>,
 ) -> PyResult<[&'a Bound<'py, PyAny>; N]> {
     if let Some((name, _)) = arguments.iter().find(|(_, given)| given.value().is_none()) {
-        return Err(missing(&call()?, name));
+        return Err(Python::attach(|py| Ok(missing(&qualified(&callable(py)?)?, name)))
+            .unwrap_or_else(|error: PyErr| error));
     }
     Ok(arguments.map(|(_, given)| given.value().expect("each is given")))
 }
