@@ -101,7 +101,7 @@ def test_an_empty_world(nothing: Any) -> None:
         (0, 2),
     ]
     at_walls = [part.shape for part in fields(world.last_step.wall_contacts)]
-    assert at_walls == [(0,), (0,), (0, 2), (0,), (0,), (0,)]
+    assert at_walls == [(0,), (0,), (0, 2), (0,), (0,), (0,), (0, 2)]
     assert [*world.momentum(), world.kinetic_energy(), world.potential_energy()] == [0] * 4
     assert world.add([(1, 1)], 1).tolist() == [0]
 
