@@ -308,7 +308,7 @@ def test_a_rising_lift_catches_what_falls_onto_it(one_way, dtype, way, mask) -> 
     rng = np.random.default_rng(1)
     n, rules = 100, {"one_way": one_way, "mask": mask}
     x = np.arange(n) * 100.0
-    for speed in (0.25, 1, 4, 64, 1600):
+    for speed in (0.25, 0.5, 1, 2, 4, 8, 16, 64, 1600):
         space = jostle.Space(dtype=dtype)
         lifts = space.add(boxes=np.stack([x - 30, x * 0, x + 30, x * 0 + 8], 1), categories=LEDGE)
         heights = rng.uniform(0, 60, n)
@@ -345,9 +345,9 @@ def test_platforms_that_move_together_carry_across_their_joints(shape: str, way:
     for pieces in ([440.0], [40.0, 400.0], [55.0] * 8):
         x = np.concatenate([[0], np.cumsum(pieces)])
         boxes = np.stack([x[:-1], x[:-1] * 0, x[1:], x[1:] * 0 + 8], 1)
-        for vx in (-3, -1, 0, 1.5):
-            for vy in (-2, -0.5, 0, 1):
-                for walk in (0.2, 3):
+        for vx in (-3, -1.5, -1, 0, 1, 1.5, 3):
+            for vy in (-2, -1, -0.5, 0, 0.5, 1, 2):
+                for walk in (0.2, 1, 3):
                     space = jostle.Space()
                     parts = space.add(boxes=boxes, categories=LEDGE)
                     walker = space.add((20, -8.0), categories=WALKER, **KINDS[shape])

@@ -73,12 +73,12 @@ def test_refined() -> None:
 
 
 def test_long() -> None:
-    """Many steps of all scenes, and of a larger gas and a larger pile."""
-    check_scenes(40, 75)
-    check("gas", jostle.scenes.create("gas", n=1000, seed=3), 1 / 60, 75)
+    """300 steps of all scenes, and of a larger gas and a larger pile."""
+    check_scenes(40, 300)
+    check("gas", jostle.scenes.create("gas", n=1000, seed=3), 1 / 60, 300)
     pile = jostle.scenes.create("pile", n=120, seed=3)
     pile.sleeping = False
-    check("pile", pile, 1 / 60, 150)
+    check("pile", pile, 1 / 60, 300)
 
 
 @up_to(3)

@@ -12,7 +12,7 @@ def test_ranks_have_the_bits_of_one_process(module: str) -> None:
     assert "all bits are right" in run_ranks(4, HERE / "mpi_world.py", module)
 
 
-def test_all_scenes_have_the_bits_of_one_process_after_many_steps() -> None:
+def test_all_scenes_have_the_bits_of_one_process_after_300_steps() -> None:
     assert "all bits are right" in run_ranks(2, HERE / "mpi_world.py", "long")
 
 

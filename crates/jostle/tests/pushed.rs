@@ -221,7 +221,7 @@ fn lift_all(speeds: &[f32], substeps: &[usize], seeds: u64, steps: usize) {
 
 #[test]
 fn no_disc_leaves_a_box_that_moves() {
-    lift_all(&[5.0, 100.0], &[1], 2, 40);
+    lift_all(&[5.0, 10.0, 100.0], &[1], 2, 40);
     lift_all(&[20.0], &[4], 1, 40);
 }
 
