@@ -2705,7 +2705,8 @@ class World(_ShapeQueries):
         `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
     forces : sequence of forces, default ()
         `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
-        `ThermalWalls`, `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and contacts.
+        `ThermalWalls`, `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and
+        contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -3304,9 +3305,10 @@ class World(_ShapeQueries):
         (n, 2), a read-only copy in units of length per second².
 
         Assign an array of this shape, or one vector for all, before each call, or None for none. It
-        replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
-        particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
-        the call.
+        replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They
+        act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+        particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in the
+        call.
 
         Raises
         ------

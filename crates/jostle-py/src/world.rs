@@ -103,7 +103,8 @@ pub use wall_view::PyWalls;
 ///     `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
 /// forces : sequence of forces, default ()
 ///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
-///     `ThermalWalls`, `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and contacts.
+///     `ThermalWalls`, `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and
+///     contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and

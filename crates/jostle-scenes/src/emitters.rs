@@ -12,10 +12,10 @@ use jostle_world::world::WorldSettings;
 /// The default number of drops, for which the lengths below are given.
 pub(crate) const DEFAULT_COUNT: usize = 3_000;
 
-/// Drops of a jet per second when there is the default number of drops, at the start.
-const FLOW: f32 = 91.0;
+/// Drops of all jets per second when there is the default number of drops, at the start.
+const FLOW: f32 = 273.0;
 
-/// How often a drop in a drain is taken, per second: the drops in each drain times it are about [`FLOW`].
+/// How often a drop in a drain is taken, per second: the drops in all drains times it are about [`FLOW`].
 const RATE: f32 = 0.25;
 
 const GRAVITY: f32 = 900.0;
@@ -52,6 +52,12 @@ fn scale(n: usize) -> f32 {
     (n as f32 / DEFAULT_COUNT as f32).sqrt().max(0.25)
 }
 
+/// Drops of all jets per second. They are proportional to the number of drops over the time of flight.
+fn flow(n: usize) -> f32 {
+    let scale = scale(n);
+    FLOW * scale * scale / scale.sqrt()
+}
+
 /// The left jet, the one in the middle, and the right one.
 fn pumps(n: usize) -> [Pump; 3] {
     let scale = scale(n);
@@ -82,7 +88,7 @@ pub(crate) fn view(n: usize) -> Area {
 pub(crate) fn fountain(n: usize, random: &mut Random) -> Result<Start> {
     let scale = scale(n);
     let mut particles = immovable(beads(scale)?, BEAD)?;
-    let flying = ((3.0 * FLOW * FLOWN * scale * scale) as usize).min(n);
+    let flying = ((flow(n) * FLOWN * scale.sqrt()) as usize).min(n);
     for number in (0..flying).rev() {
         particles.try_extend(&flown(n, number, random)?)?;
     }
@@ -120,8 +126,7 @@ fn flown(n: usize, number: usize, random: &mut Random) -> Result<Particles> {
     let all = pumps(n);
     let jet = number % all.len();
     let Pump { position, velocity: [u, v], width, spread, .. } = all[jet];
-    let age = (number as f32 + 1.0) * scale(n).sqrt() * FLOWN
-        / (3.0 * FLOW * FLOWN * scale(n) * scale(n));
+    let age = (number as f32 + 1.0) / flow(n);
     let across = random.between(-0.5, 0.5) * width / (u * u + v * v).sqrt();
     let [x, y] = [position[0] - v * across, position[1] + u * across];
     let deviation = random.in_disc().map(|w| w * spread);

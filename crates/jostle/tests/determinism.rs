@@ -31,7 +31,7 @@ const PINNED: [(&str, u64); 24] = [
     ("sand", 0x0e70_608f_7183_81f6),
     ("galton", 0x3882_6622_da6c_8c11),
     ("brownian", 0x97dd_91a5_6928_0fa8),
-    ("emitters", 0x92a0_7b35_3fcc_8096),
+    ("emitters", 0xd3a5_6564_4761_3ee2),
     ("heap", 0x5e2e_5aab_5a3e_8d51),
     ("mill", 0xdd58_0858_2549_ce66),
     ("conveyor", 0xbc19_cfd7_6a39_e822),

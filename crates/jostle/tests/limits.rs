@@ -258,6 +258,33 @@ fn the_number_of_steps_has_no_effect_on_a_fast_particle() {
 }
 
 #[test]
+fn a_fast_disc_meets_what_is_beyond_its_renewed_bounds() {
+    // Rows of discs move together, so fast that the bounds are renewed three times in the step. Beside them the first disc
+    // flies along a lane, on a torus by more in each part than bounds may have, to the only other disc in it.
+    let (side, speed, dt) = (1000.0, 5000.0, 0.32);
+    let container = Container::Torus { size: [side; 2] };
+    for target in (640..=940).step_by(20).map(|x| x as f32) {
+        let rows = (0..400).map(|k| [k % 20, k / 20].map(|at| at as f32));
+        let rows = rows.map(|[x, y]| [50.0 * x, 200.0 + 35.0 * y]);
+        let positions: Vec<_> = [[0.0, 50.0], [target, 50.0]].into_iter().chain(rows).collect();
+        let mut velocities = vec![[130.0, 0.0]; positions.len()];
+        velocities[..2].copy_from_slice(&[[speed, 0.0], [0.0; 2]]);
+        let len = positions.len();
+        let all = Particles::new(positions, velocities, vec![5.0; len], 1.0);
+        let mut world = world_of(all, inside(container));
+        world.step(f64::from(dt), 1).unwrap();
+        let (positions, velocities) =
+            (world.bodies().positions().unwrap(), world.bodies().velocities().unwrap());
+        assert_eq!(velocities[..2], [[0.0, 0.0], [speed, 0.0]], "target at {target}");
+        // They touch at a distance of 10, and exchange their velocities.
+        let places = [target - 10.0, (10.0 + speed * dt) % side];
+        for (found, expected) in positions.iter().zip(places) {
+            assert!((found[0] - expected).abs() < 1e-2, "{found:?} {expected}");
+        }
+    }
+}
+
+#[test]
 fn discs_that_meet_in_another_image_of_the_torus_collide() {
     // The first moves by nearly the side of the torus. The second is hit by the third, and is then
     // along its path, in another image.

@@ -426,8 +426,8 @@ class World:
         """Given accelerations in the next call of `step`: ndarray of float32, shape (n, 2).
 
         They are in the order of `ids`. Assigning an array of this shape, one vector for all of this
-        rank, or None for zeros, is a
-        collective call, which replaces what was given before; see `jostle.World.accelerations`.
+        rank, or None for zeros, is a collective call, which replaces what was given before; see
+        `jostle.World.accelerations`.
         """
         given: NDArray[np.float32] = self._core.accelerations
         return given[: len(self)]

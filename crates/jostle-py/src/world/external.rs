@@ -143,9 +143,10 @@ impl PyWorld {
     /// (n, 2), a read-only copy in units of length per second².
     ///
     /// Assign an array of this shape, or one vector for all, before each call, or None for none. It
-    /// replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
-    /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
-    /// the call.
+    /// replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They
+    /// act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
+    /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in the
+    /// call.
     ///
     /// Raises
     /// ------
