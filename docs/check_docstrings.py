@@ -20,6 +20,7 @@ from pathlib import Path
 from types import GetSetDescriptorType, MemberDescriptorType, ModuleType
 from typing import Any, NamedTuple
 
+from class_members import members
 from numpydoc.docscrape import get_doc_object
 from numpydoc.validate import ERROR_MSGS, Validator, validate
 
@@ -116,7 +117,7 @@ def public_names(module: ModuleType) -> Iterator[Name]:
         if not (inspect.isclass(thing) or inspect.isroutine(thing)):
             continue
         yield Name(f"{module.__name__}.{name}", thing, None)
-        for member, value in vars(thing).items() if inspect.isclass(thing) else ():
+        for member, value in members(thing).items() if inspect.isclass(thing) else ():
             kinds = (property, GetSetDescriptorType, staticmethod, classmethod)
             is_field = isinstance(value, MemberDescriptorType)
             if not member.startswith("_") and not is_field:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from class_members import members
 from doctests import run_examples
 
 import jostle
@@ -36,7 +37,7 @@ def public_things(module: ModuleType) -> Iterator[tuple[str, Any]]:
         if inspect.isclass(thing) or inspect.isroutine(thing):
             yield f"{module.__name__}.{name}", thing
         if inspect.isclass(thing):
-            for member, value in sorted(vars(thing).items(), key=lambda item: item[0]):
+            for member, value in sorted(members(thing).items(), key=lambda item: item[0]):
                 if not member.startswith("_") and is_property_or_method(value, thing):
                     yield f"{module.__name__}.{name}.{member}", value
 
