@@ -207,6 +207,21 @@ def test_a_ramp_that_moves_carries_too() -> None:
     assert sprite.center_x == pytest.approx(100) and sprite.bottom == pytest.approx(bottom + 20)
 
 
+def test_a_platform_that_comes_back_is_read_again() -> None:
+    platforms = boxes((0, 0, 300, 10))
+    sprite, lift = player(0, 20), platforms[0]
+    engine = ours.PhysicsEnginePlatformer(sprite, platforms)
+    engine.update()
+    platforms.pop()
+    assert not engine.can_jump()
+    lift.hit_box = shaped([(-150, 5), (150, 5), (150, 7), (-150, 7)]).hit_box
+    platforms.append(lift)
+    sprite.position = (0, 30)
+    for _ in range(20):
+        engine.update()
+    assert sprite.bottom == pytest.approx(7)
+
+
 def test_the_velocity_on_a_lift_is_that_of_arcade() -> None:
     for change in (-2, 2):
         found = []

@@ -29,7 +29,8 @@ from jostle.arcade.collisions import (
     get_sprites_in_rect,
     selfcollide,
 )
-from jostle.arcade.engines import PhysicsEnginePlatformer, PhysicsEngineSimple
+from jostle.arcade.platformer import PhysicsEnginePlatformer
+from jostle.arcade.simple import PhysicsEngineSimple
 
 __all__ = [
     "PhysicsEnginePlatformer",
