@@ -8,9 +8,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from jostle.errors import IdError
-
-from .exchange import first_id, joined, passed_on, raise_together, together
+from .exchange import first_id, joined, passed_on, together
+from .ids import check_ids, places_of, read_ids
 
 #: A radius that fits into every container.
 _SMALL = 1e-9
@@ -41,9 +40,9 @@ def add(comm: MPI.Intracomm, core: Any, *columns: ArrayLike, **named: Any) -> ND
 def remove(comm: MPI.Intracomm, core: Any, ids: ArrayLike) -> None:
     """Remove the particles with the ids that any rank gives."""
     with together(comm):
-        own = _read_ids(ids)
+        own = read_ids(ids)
     everything = joined(comm, own)
-    _check(comm, core, everything)
+    check_ids(comm, core, everything)
     core._remove_ids(everything)
     core._agree_on_losses()
 
@@ -52,7 +51,7 @@ def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> No
     """Change columns of the particles with the ids that any rank gives."""
     given = sorted(name for name, column in columns.items() if column is not None)
     with together(comm):
-        own = _read_ids(ids)
+        own = read_ids(ids)
         # Checked and completed by a world with as many particles.
         trial: Any = core._of_records(b"")
         zeros = np.zeros((len(own), 2))
@@ -68,7 +67,7 @@ def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> No
     for name, value in values.items():
         rows[name] = value
     rows = joined(comm, rows)
-    _check(comm, core, rows["id"])
+    check_ids(comm, core, rows["id"])
     ids_here = core._own_ids()[0]
     rows = rows[np.isin(rows["id"], ids_here)]
     core.set(_rows_of(core, rows["id"]), **{name: rows[name] for name in given})
@@ -113,7 +112,7 @@ def _gathered(
 ) -> tuple[NDArray[Any], NDArray[np.float32] | None]:
     """The ids and vectors of all ranks for this rank's particles, and the points, if any."""
     with together(comm):
-        own = _read_ids(ids)
+        own = read_ids(ids)
         both = [("vector", np.float32, 2), ("point", np.float32, 2)]
         rows = np.zeros(len(own), [("id", np.int64), *both])
         rows["id"] = own
@@ -126,7 +125,7 @@ def _gathered(
     if len(given) > 1:
         raise ValueError("points are given by some ranks only")
     rows = joined(comm, rows)
-    _check(comm, core, rows["id"], may_repeat=True)
+    check_ids(comm, core, rows["id"], may_repeat=True)
     core._drop_ghosts()
     rows = rows[np.isin(rows["id"], core._own_ids()[0])]
     return rows, rows["point"] if True in given else None
@@ -134,10 +133,7 @@ def _gathered(
 
 def _rows_of(core: Any, ids: NDArray[np.int64]) -> NDArray[np.intp]:
     """The rows of particles of this rank."""
-    own = core._own_ids()[0]
-    order = np.argsort(own)
-    rows: NDArray[np.intp] = order[np.searchsorted(own[order], ids)]
-    return rows
+    return places_of(core._own_ids()[0], ids)
 
 
 def _vectors(
@@ -159,27 +155,3 @@ def _vectors(
         rule = f"both coordinates must lie within ±{_FARTHEST:.0e}"
         raise ValueError(f"{name}[{wrong[0]}] is ({x}, {y}); {rule}")
     return vectors
-
-
-def _read_ids(ids: ArrayLike) -> NDArray[np.int64]:
-    found = np.atleast_1d(np.asarray(ids))
-    if found.size == 0:
-        return np.zeros(0, np.int64)
-    if found.ndim != 1 or found.dtype.kind not in "iu":
-        raise TypeError(f"ids must be integers, one or in one row; got {ids!r}")
-    return found.astype(np.int64)
-
-
-def _check(
-    comm: MPI.Intracomm, core: Any, ids: NDArray[np.int64], may_repeat: bool = False
-) -> None:
-    """Raise on all ranks if an id has no particle, or is given twice unless `may_repeat`."""
-    found = np.isin(ids, core._own_ids()[0])
-    comm.Allreduce(MPI.IN_PLACE, found, op=MPI.LOR)
-    different, counts = np.unique(ids, return_counts=True)
-    error: ValueError | None = None
-    if not found.all():
-        error = IdError(f"ids contain {ids[~found][0]}; no particle has this id")
-    elif (counts > 1).any() and not may_repeat:
-        error = ValueError(f"ids contain {different[counts > 1][0]} twice")
-    raise_together(comm, error)

@@ -26,10 +26,10 @@ from .totals import Totals
 class World(Stepping, Editing, Settings, Totals, Found):
     """Particles that are distributed over the ranks of a communicator.
 
-    Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `potential_energy`, `momentum`, `events`, `wall_events`, `renumbered` and `last_call`. The
-    particles of all ranks have the same states, in bits, as those of one `jostle.World` with all of
-    them, whatever the number of ranks and the distribution.
+    Methods but `rows` are collective: all ranks call them in the same order. So are `events`,
+    `wall_events`, `renumbered` and `last_call`. The particles of all ranks have the same states, in
+    bits, as those of one `jostle.World` with all of them, whatever the number of ranks and the
+    distribution.
 
     Parameters
     ----------
@@ -66,8 +66,8 @@ class World(Stepping, Editing, Settings, Totals, Found):
     `raycast`: use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each
     rank and combine the answers, for instance by ``comm.allgather``.
 
-    `free_positions`, `net_forces` and `force_virial` depend on the particles of all ranks; the
-    world that `gather` returns has these methods.
+    `free_positions` and `force_virial` depend on the particles of all ranks; the world that `gather`
+    returns has these methods.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
     some ranks need more time than others, or have many copies, the ranges are chosen again, and

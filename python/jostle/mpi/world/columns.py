@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 
+from .. import ids as particle_ids
 from ..attributes import Column
+from ..interrupts import collective
 from .part import Part
 
 
@@ -49,6 +53,59 @@ class Columns(Part):
     asleep = Column(
         "Which particles are asleep: ndarray of bool, shape (n,), in the order of `ids`."
     )
+
+    kinds = Column("Kinds: ndarray of uint8, shape (n,), in the order of `ids`.")
+
+    def rows(self, ids: ArrayLike) -> Any:
+        """Return the rows that particles of this rank have in the columns. Not collective.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, of any shape
+            Particles of this rank.
+
+        Returns
+        -------
+        ndarray of int64 of the same shape, or int
+            Their rows, until the next step.
+
+        Raises
+        ------
+        IdError, TypeError
+            As by `jostle.World.rows`, also if a particle is on another rank.
+
+        See Also
+        --------
+        get : Reads particles of any rank.
+        """
+        return particle_ids.rows(self._core, ids)
+
+    @collective
+    def get(self, ids: ArrayLike) -> jostle.Particle | jostle.Particles:
+        """Read all columns of one particle or some, of any rank.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            Those that this rank asks for; k may be 0.
+
+        Returns
+        -------
+        Particles or Particle
+            As by `jostle.World.get`, for this rank's ids.
+
+        Raises
+        ------
+        IdError, TypeError
+            As by `jostle.World.get`; an id that no particle has is an error on all ranks.
+        RankError
+            If another rank raises a TypeError.
+
+        See Also
+        --------
+        set : Changes particles.
+        """
+        return particle_ids.particles(self._comm, self._core, ids)
 
     @property
     def total(self) -> int:
