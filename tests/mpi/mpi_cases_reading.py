@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from mpi_checks import fail_by_the_last_rank, refuse
-from mpi_worlds import comm, evenly, gas, on_last, scattered, sleepers, unevenly, up_to
+from mpi_worlds import comm, evenly, gas, scattered, sleepers, unevenly, up_to
 
 import jostle
 import jostle.mpi
@@ -33,7 +33,7 @@ def check_sums(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
 
 
 def test_sums() -> None:
-    """Also with sleeping particles, given accelerations, forces between neighbours and few discs."""
+    """Also with sleeping particles, given accelerations, forces between kinds and few discs."""
     table = np.random.default_rng(4).normal(0, 60, (3, 3, 12))
     kinds = np.arange(300) % 3
     pairs: dict[str, Any] = {"forces": [jostle.PairForce(table, 6.0, damping=0.5)], "kinds": kinds}

@@ -66,8 +66,8 @@ class World(Stepping, Editing, Settings, Totals, Found):
     `raycast`: use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each
     rank and combine the answers, for instance by ``comm.allgather``.
 
-    `free_positions` and `force_virial` depend on the particles of all ranks; the world that `gather`
-    returns has these methods.
+    `free_positions` and `force_virial` depend on the particles of all ranks; the world that
+    `gather` returns has these methods.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
     some ranks need more time than others, or have many copies, the ranges are chosen again, and
