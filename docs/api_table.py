@@ -198,12 +198,9 @@ def default(value: object) -> str:
 
 
 def stub_members(name: str) -> dict[str, tuple[str, str]]:
-    """Return the public members of a class of the stub: name, kind, result."""
+    """Return the public members of a class of the stub, its own first: name, kind, result."""
     node = STUB_CLASSES[name]
     found: dict[str, tuple[str, str]] = {}
-    for base in node.bases:
-        if isinstance(base, ast.Name) and base.id in STUB_CLASSES:
-            found |= stub_members(base.id)
     for one in node.body:
         if not isinstance(one, ast.FunctionDef) or one.name.startswith("_"):
             continue
@@ -218,6 +215,11 @@ def stub_members(name: str) -> dict[str, tuple[str, str]]:
         else:
             kind, results = found.get(one.name, ("method", ""))
             found[one.name] = (kind, joined(results, ast.unparse(one.returns or ast.Name("None"))))
+    for base in node.bases:
+        if isinstance(base, ast.Name) and base.id in STUB_CLASSES:
+            found = found | {
+                key: row for key, row in stub_members(base.id).items() if key not in found
+            }
     return found
 
 

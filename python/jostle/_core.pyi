@@ -3,94 +3,24 @@
 import math
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import (
-    Any,
-    Final,
-    Literal,
-    Protocol,
-    SupportsFloat,
-    SupportsIndex,
-    TypeAlias,
-    final,
-    overload,
-    type_check_only,
-)
+from typing import (Any, Final, Literal, Protocol, SupportsFloat, SupportsIndex, TypeAlias, final, overload,
+    type_check_only)
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from typing_extensions import Self
 
-from jostle.results import (
-    Contacts,
-    GaltonBoard,
-    IdLists,
-    LastCall,
-    LastStep,
-    Neighbors,
-    Nodes,
-    Particle,
-    Particles,
-    RayHit,
-    RayHitLists,
-    RayHits,
-    Separated,
-    Shape,
-    Shapes,
-    Slide,
-    Slides,
-    Stats,
-    Wall,
-    WallColumns,
-    WallEvents,
-    WorldEvents,
-)
+from jostle.results import (Contacts, GaltonBoard, IdLists, LastCall, LastStep, Neighbors, Nodes, Particle, Particles,
+    RayHit, RayHitLists, RayHits, Separated, Shape, Shapes, Slide, Slides, Stats, Wall, WallColumns, WallEvents,
+    WorldEvents)
 from jostle.walls import Side
 
-__all__ = [
-    "AndersenThermostat",
-    "Attractor",
-    "Box",
-    "Circle",
-    "Events",
-    "Flocking",
-    "Grab",
-    "Gravitation",
-    "Motor",
-    "PairForce",
-    "Pump",
-    "Quadtree",
-    "RankError",
-    "Space",
-    "Springs",
-    "ThermalWalls",
-    "Thermostat",
-    "Walls",
-    "World",
-    "__version__",
-    "abandon_threads",
-    "begin_hash",
-    "checksum",
-    "create_scene",
-    "create_scene_part",
-    "describe_scene",
-    "find_pairs",
-    "hash_parts",
-    "hash_records",
-    "instructions",
-    "record_fields",
-    "restore_events",
-    "restore_space",
-    "scene_default_count",
-    "scene_galton_board",
-    "scene_names",
-    "scene_view",
-    "scene_wall",
-    "separate",
-    "sprite_dict",
-    "sprite_pairs",
-    "sprite_sides",
-    "wake_threads_always",
-]
+__all__ = ["AndersenThermostat", "Attractor", "Box", "Circle", "Events", "Flocking", "Grab", "Gravitation", "Motor",
+    "PairForce", "Pump", "Quadtree", "RankError", "Space", "Springs", "ThermalWalls", "Thermostat", "Walls", "World",
+    "__version__", "abandon_threads", "begin_hash", "checksum", "create_scene", "create_scene_part", "describe_scene",
+    "find_pairs", "hash_parts", "hash_records", "instructions", "record_fields", "restore_events", "restore_space",
+    "scene_default_count", "scene_galton_board", "scene_names", "scene_view", "scene_wall", "separate", "sprite_dict",
+    "sprite_pairs", "sprite_sides", "wake_threads_always"]
 
 __version__: Final[str]
 
@@ -142,6 +72,8 @@ _Real: TypeAlias = float | np.floating[Any] | np.integer[Any]
 _Id: TypeAlias = int | np.integer[Any]
 _Reals: TypeAlias = _Array | Sequence[_Real]
 _IdList: TypeAlias = _Array | Sequence[_Id]
+_Mask: TypeAlias = SupportsIndex | None
+_Exclude: TypeAlias = SupportsIndex | _IdList | None
 _Point: TypeAlias = tuple[_Real, _Real] | _Vector
 _Points: TypeAlias = _Array | Sequence[Sequence[_Real] | _Vector | _Array]
 _AnyPoint: TypeAlias = _Point | Sequence[_Real]
@@ -154,55 +86,28 @@ _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
 _Period: TypeAlias = _Number | tuple[_Number | None, _Number | None] | Sequence[_Number] | _Array
 _Container: TypeAlias = Box | Circle
-_Coefficient: TypeAlias = (
-    float | tuple[float | None, float | None, float | None, float | None] | None
-)
-_Force: TypeAlias = (
-    Attractor
-    | Gravitation
-    | Springs
-    | Thermostat
-    | ThermalWalls
-    | AndersenThermostat
-    | Pump
-    | Motor
-    | Grab
-    | PairForce
-    | Flocking
-)
+_Coefficient: TypeAlias = float | tuple[float | None, float | None, float | None, float | None] | None
+_Force: TypeAlias = (Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Pump | Motor
+    | Grab | PairForce | Flocking)
 
 def abandon_threads() -> None:
     """Abandons the threads of the parent process, which do not exist in a forked process."""
 
 def instructions() -> str:
-    """The vector instructions that searches and steps use on this processor: "AVX-512", "AVX2" or
-    "baseline", those of every processor of the architecture. Results do not depend on them."""
-
+    """The vector instructions that searches and steps use on this processor: "AVX-512", "AVX2" or "baseline", those of
+    every processor of the architecture. Results do not depend on them."""
 def wake_threads_always(always: bool) -> None:
     """Lets small calls wake other threads. For tests."""
 
 @overload
-def find_pairs(
-    positions: _Vectors,
-    radii: ArrayLike = 0.0,
-    half_sizes: ArrayLike | None = None,
-    *,
-    boxes: None = None,
-    segments: None = None,
-    categories: ArrayLike | None = None,
-    masks: ArrayLike | None = None,
-    distance: _Number = 0.0,
-    period: _Period | None = None,
-    method: Literal["auto", "brute", "quadtree"] = "auto",
-    sort: bool = False,
-    max_pairs: SupportsIndex = 134217728,
-    threads: SupportsIndex | None = None,
-) -> _Pairs:
+def find_pairs(positions: _Vectors, radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *, boxes: None = None,
+        segments: None = None, categories: ArrayLike | None = None, masks: ArrayLike | None = None,
+        distance: _Number = 0.0, period: _Period | None = None, method: Literal["auto", "brute", "quadtree"] = "auto",
+        sort: bool = False, max_pairs: SupportsIndex = 134217728, threads: SupportsIndex | None = None) -> _Pairs:
     """Find every pair of overlapping shapes.
 
-    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
-    one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0.
-    Touching is not overlapping.
+    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``, one of `boxes`, or
+    one of `segments`. A circle has half size 0, a rectangle radius 0. Touching is not overlapping.
 
     Parameters
     ----------
@@ -213,37 +118,33 @@ def find_pairs(
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
-        Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-        are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
-        width and height. The four numbers are compared without rounding:
-        boxes that share an edge never overlap, whereas sides computed as
-        ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`. Objects with the
+        attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect, are accepted in a list or a tuple, but
+        not in an array, which NumPy fills with x, y, width and height. The four numbers are compared without rounding:
+        boxes that share an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded. With
+        `radii`, the shapes are rounded boxes.
     segments : array_like, shape (n, 2, 2), optional
-        Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
-        capsules with `radii`. Segments that cross overlap; those that share an end, or lie on one
-        line, do not. With a period the ends are at most one period apart along each axis.
+        Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or capsules with `radii`.
+        Segments that cross overlap; those that share an end, or lie on one line, do not. With a period the ends are at
+        most one period apart along each axis.
     categories, masks : array_like of int, a number or shape (n,), optional
         Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
         ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
     distance : float, default 0.0
-        Find pairs whose gap is below this, in units of length: each radius is increased by half of
-        it. If 0, the shapes must overlap.
+        Find pairs whose gap is below this, in units of length: each radius is increased by half of it. If 0, the shapes
+        must overlap.
     period : float or (float, float), optional
-        Width and height of a periodic plane, one number for both; 0 or None on an axis that is
-        not periodic. Positions that differ by a multiple of the period are equal, and the gap along
-        an axis is that of the minimum image.
+        Width and height of a periodic plane, one number for both; 0 or None on an axis that is not periodic. Positions
+        that differ by a multiple of the period are equal, and the gap along an axis is that of the minimum image.
     method : {"auto", "brute", "quadtree"}, default "auto"
-        How the pairs are found; the pairs are the same. "auto" uses brute force for few shapes, a
-        uniform grid for circles of one radius unless they are sparse, and otherwise the tree.
+        How the pairs are found; the pairs are the same. "auto" uses brute force for few shapes, a uniform grid for
+        circles of one radius unless they are sparse, and otherwise the tree.
     sort : bool, default False
-        Whether to sort the pairs by the first, then by the second shape. If False, their
-        order is not specified.
+        Whether to sort the pairs by the first, then by the second shape. If False, their order is not specified.
     max_pairs : int, default 134217728
         Maximum number of pairs to return; the default corresponds to 2 GiB.
     threads : int, optional
-        Number of threads, at most one for each core, which is the default. The answer is the
-        same for every number.
+        Number of threads, at most one for each core, which is the default. The answer is the same for every number.
 
     Returns
     -------
@@ -253,203 +154,72 @@ def find_pairs(
     Raises
     ------
     TypeError
-        If an argument does not hold numbers, or if not exactly one of `positions`, `boxes`
-        and `segments` is given.
+        If an argument does not hold numbers, or if not exactly one of `positions`, `boxes` and `segments` is given.
     ValueError
-        If a shape is wrong, a value is not finite, a size is negative or out of range, or
-        more than `max_pairs` pairs overlap.
+        If a shape is wrong, a value is not finite, a size is negative or out of range, or more than `max_pairs` pairs
+        overlap.
     MemoryError
         If there is no memory for the pairs.
 
-    See Also
-    --------
-    Quadtree : A tree of the same shapes, for several queries.
-    Space : Shapes that move, with ids and events.
-
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
-    count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
-    given arrays.
+    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers count as float64. A plain
+    number, or a plain pair of half sizes, takes the precision of the given arrays.
 
-    Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
-    1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
-    is at most an eighth of the largest number of the type, a box at most twice as wide and
-    high as that.
-
-    References
-    ----------
-    T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using R-trees*,
-    SIGMOD (1993): the traversal of two trees at once.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> jostle.find_pairs([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    array([[1, 2]])
-    >>> jostle.find_pairs([(0, 0), (1, 0), (2, 0)], radii=0.8, categories=[1, 2, 1], masks=[2, 3, 2])
-    array([[0, 1],
-           [1, 2]])
-    >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
-    array([[1, 2]])
-    >>> jostle.find_pairs(segments=[[(0, 0), (2, 2)], [(0, 2), (2, 0)], [(2, 2), (4, 2)]])
-    array([[0, 1]])
-    >>> jostle.find_pairs([(0.5, 0), (3, 0), (9.5, 0)], distance=2.0, period=10)
-    array([[0, 2]])
-    """
+    Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in
+    float64: squares of other numbers overflow or lose digits. A half size is at most an eighth of the largest number of
+    the type, a box at most twice as wide and high as that."""
 
 @overload
-def find_pairs(
-    positions: None = None,
-    radii: ArrayLike = 0.0,
-    half_sizes: None = None,
-    *,
-    boxes: _Boxes,
-    segments: None = None,
-    categories: ArrayLike | None = None,
-    masks: ArrayLike | None = None,
-    distance: _Number = 0.0,
-    period: _Period | None = None,
-    method: Literal["auto", "brute", "quadtree"] = "auto",
-    sort: bool = False,
-    max_pairs: SupportsIndex = 134217728,
-    threads: SupportsIndex | None = None,
-) -> _Pairs: ...
+def find_pairs(positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: _Boxes,
+        segments: None = None, categories: ArrayLike | None = None, masks: ArrayLike | None = None,
+        distance: _Number = 0.0, period: _Period | None = None, method: Literal["auto", "brute", "quadtree"] = "auto",
+        sort: bool = False, max_pairs: SupportsIndex = 134217728, threads: SupportsIndex | None = None) -> _Pairs: ...
 @overload
-def find_pairs(
-    positions: None = None,
-    radii: ArrayLike = 0.0,
-    half_sizes: None = None,
-    *,
-    boxes: None = None,
-    segments: ArrayLike,
-    categories: ArrayLike | None = None,
-    masks: ArrayLike | None = None,
-    distance: _Number = 0.0,
-    period: _Period | None = None,
-    method: Literal["auto", "brute", "quadtree"] = "auto",
-    sort: bool = False,
-    max_pairs: SupportsIndex = 134217728,
-    threads: SupportsIndex | None = None,
-) -> _Pairs: ...
+def find_pairs(positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: None = None,
+        segments: ArrayLike, categories: ArrayLike | None = None, masks: ArrayLike | None = None,
+        distance: _Number = 0.0, period: _Period | None = None, method: Literal["auto", "brute", "quadtree"] = "auto",
+        sort: bool = False, max_pairs: SupportsIndex = 134217728, threads: SupportsIndex | None = None) -> _Pairs: ...
 
 class RankError(RuntimeError):
     """Another rank could not do its part of a call, so no rank completes it.
 
-    The rank with the cause raises the cause itself. The others raise this error with the number
-    of that rank and its message.
-    """
+    The rank with the cause raises the cause itself. The others raise this error with the number of that rank and its
+    message."""
 
 def begin_hash(total: int) -> int:
     """Begin the hash of the state of `total` particles. For `jostle.mpi`."""
-
 def checksum(bytes: bytes) -> int:
     """The checksum of bytes in files. For `jostle.mpi`."""
-
 def hash_parts(records: bytes) -> list[int]:
     """The parts of the hash of the state that depend on the particles of records. For `jostle.mpi`."""
-
 def hash_records(hash: int, records: bytes, part: int) -> int:
     """Continue the hash of the state with one part of the particles of records. For `jostle.mpi`."""
-
 def record_fields() -> list[tuple[str, str]]:
     """The fields of a record after the id, as NumPy writes them. For `jostle.mpi`."""
-
-def restore_events(
-    entered: _Pairs, stayed: _Pairs, exited: _Pairs, categories: tuple[Any, ...]
-) -> Events:
+def restore_events(entered: _Pairs, stayed: _Pairs, exited: _Pairs, categories: tuple[Any, ...]) -> Events:
     """Events with these pairs. For pickle."""
-
 def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space:
     """A space with the contents that pickle has stored."""
-
-def sprite_pairs(
-    left: list[Any],
-    right: list[Any] | None,
-    rule: Literal["rect", "rects", "circle", "mask", "within"],
-    scale: float,
-    types: tuple[type, type],
-    radius_of: Callable[[Any], float] | None = None,
-) -> tuple[NDArray[np.uint32], NDArray[np.bool_] | None] | None:
-    """Find which sprites collide.
-
-    Parameters
-    ----------
-    left, right : list
-        Sprites. With None for `right`, the pairs i < j within `left`.
-    rule : {"rect", "rects", "circle", "mask", "within"}
-        "rect" is `collide_rect` and its ratio, "circle" `collide_circle` and its ratio;
-        "rects" is "rect" for lists of rectangles instead of sprites. "mask" and "within" give
-        candidate pairs, none of them certain: "mask" masks that may overlap, "within" rectangles
-        that collide or are at most `scale` apart along each axis.
-    scale : float
-        Factor for rectangles or radii, 1.0 for their own size; for "within" the largest gap.
-    types : tuple of type
-        `pygame.Rect` and `pygame.FRect`.
-    radius_of : callable, optional
-        Called for the radius of a sprite that has none.
-
-    Returns
-    -------
-    tuple of ndarray of uint32, shape (m, 2), and ndarray of bool, shape (m,), or None
-        Rows of `left` and of `right`, sorted, and whether each pair is certain, or None if
-        all are. None alone if only pygame can decide.
-    """
-
+def sprite_pairs(left: list[Any], right: list[Any] | None, rule: Literal["rect", "rects", "circle", "mask", "within"],
+        scale: float, types: tuple[type, type],
+        radius_of: Callable[[Any], float] | None = None) -> tuple[NDArray[np.uint32], NDArray[np.bool_] | None] | None:
+    """Find which sprites collide."""
 def sprite_sides(sprites: list[Any], types: tuple[type, type]) -> NDArray[np.float64] | None:
-    """Read the rects of sprites.
+    """Read the rects of sprites."""
+def sprite_dict(pairs: NDArray[np.uint32], keys: list[Any], values: list[Any]) -> dict[Any, list[Any]]:
+    """Group the second rows of sorted pairs by their first rows."""
 
-    Parameters
-    ----------
-    sprites : list
-        Sprites.
-    types : tuple of type
-        `pygame.Rect` and `pygame.FRect`.
-
-    Returns
-    -------
-    ndarray of float64, shape (n, 4)
-        x, y, width and height; None if a rect is of another type.
-    """
-
-def sprite_dict(
-    pairs: NDArray[np.uint32], keys: list[Any], values: list[Any]
-) -> dict[Any, list[Any]]:
-    """Group the second rows of sorted pairs by their first rows.
-
-    Parameters
-    ----------
-    pairs : ndarray of uint32, shape (m, 2)
-        Sorted by first.
-    keys, values : list
-        The objects of the first and of the second rows.
-
-    Returns
-    -------
-    dict of key to list of value
-        The result of `groupcollide` for these pairs.
-    """
-
-def separate(
-    positions: _Vectors,
-    radii: ArrayLike = 0.0,
-    half_sizes: ArrayLike | None = None,
-    *,
-    weights: ArrayLike = 1.0,
-    movable: ArrayLike = True,
-    axis: SupportsIndex | None = None,
-    gap: _Number = 0.0,
-    bounds: ArrayLike | None = None,
-    max_rounds: SupportsIndex = 1000,
-    tolerance: _Number = 0.01,
-    threads: SupportsIndex | None = None,
-) -> Separated:
+def separate(positions: _Vectors, radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *,
+        weights: ArrayLike = 1.0, movable: ArrayLike = True, axis: SupportsIndex | None = None, gap: _Number = 0.0,
+        bounds: ArrayLike | None = None, max_rounds: SupportsIndex = 1000, tolerance: _Number = 0.01,
+        threads: SupportsIndex | None = None) -> Separated:
     """Move shapes apart until none overlap.
 
-    Overlapping pairs move apart along their contact normals, in repeated rounds over all near
-    pairs. Of each pair the shape with the larger weight moves less. A region with more shapes than
-    fit into it is enlarged first. A few shapes that still overlap move to the nearest free
-    positions. Shapes that overlap nothing do not move, unless others push them.
+    Overlapping pairs move apart along their contact normals, in repeated rounds over all near pairs. Of each pair the
+    shape with the larger weight moves less. A region with more shapes than fit into it is enlarged first. A few shapes
+    that still overlap move to the nearest free positions. Shapes that overlap nothing do not move, unless others push
+    them.
 
     Parameters
     ----------
@@ -460,27 +230,25 @@ def separate(
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     weights : array_like, a number or shape (n,), default 1.0
-        Weights above 0. Of two overlapping shapes, one with twice the weight of the other moves
-        half as far.
+        Weights above 0. Of two overlapping shapes, one with twice the weight of the other moves half as far.
     movable : array_like of bool, True or False or shape (n,), default True
         Whether shapes may move; the others stay where they are. Pairs of two others may overlap.
     axis : {0, 1}, optional
-        Move the shapes only along x (0) or only along y (1). If rounds do not succeed, the shapes
-        are placed one after another at the nearest free positions, as in a swarm plot.
+        Move the shapes only along x (0) or only along y (1). If rounds do not succeed, the shapes are placed one after
+        another at the nearest free positions, as in a swarm plot.
     gap : float, default 0.0
         Least distance between the surfaces of two shapes.
     bounds : array_like, shape (4,), optional
-        Region as min_x, min_y, max_x, max_y: all movable shapes are moved inside
-        entirely; with `axis`, along that axis alone.
+        Region as min_x, min_y, max_x, max_y: all movable shapes are moved inside entirely; with `axis`, along that axis
+        alone.
     max_rounds : int, default 1000
-        Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
-        with fewer than 32, crowded regions are not enlarged.
+        Maximum number of rounds. A small number, such as 8, spreads motion over several calls; with fewer than 32,
+        crowded regions are not enlarged.
     tolerance : float, default 0.01
-        Overlapping shapes are moved apart by this share of their size more than needed. A smaller
-        number needs more rounds.
+        Overlapping shapes are moved apart by this share of their size more than needed. A smaller number needs more
+        rounds.
     threads : int, optional
-        Number of threads, at most one for each core, which is the default. The answer is the
-        same for every number.
+        Number of threads, at most one for each core, which is the default. The answer is the same for every number.
 
     Returns
     -------
@@ -492,8 +260,8 @@ def separate(
         rounds : int
             Number of rounds, at most `max_rounds`; placing along an axis counts as one.
         overlaps : int
-            Number of pairs that still overlap, or are closer than `gap`, without pairs of two
-            that may not move; 0 if the shapes are separated.
+            Number of pairs that still overlap, or are closer than `gap`, without pairs of two that may not move; 0 if
+            the shapes are separated.
 
     Raises
     ------
@@ -502,127 +270,57 @@ def separate(
     ValueError
         If a shape is wrong, a value is out of range, or a shape is larger than `bounds`.
 
-    See Also
-    --------
-    find_pairs : The pairs that overlap.
-
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64. The order of the
-    shapes has no effect, except that it distinguishes shapes with equal values at the same
-    place. If the bounds are too small for the shapes, some overlap at the end.
-
-    References
-    ----------
-    T. Dwyer, K. Marriott, P. Stuckey, *Fast Node Overlap Removal*, Graph Drawing (2005).
-    M. Müller et al., *Position Based Dynamics*, Journal of Visual Communication and Image
-    Representation 18 (2007).
-
-    Examples
-    --------
-    >>> import jostle
-    >>> apart = jostle.separate([(0, 0), (1, 0), (9, 0)], radii=1.0, tolerance=0)
-    >>> apart.positions.round(3)
-    array([[-0.5,  0. ],
-           [ 1.5,  0. ],
-           [ 9. ,  0. ]])
-    >>> apart.overlaps
-    0
-    """
+    Arithmetic is float32 if every given array is float32, otherwise float64. The order of the shapes has no effect,
+    except that it distinguishes shapes with equal values at the same place. If the bounds are too small for the shapes,
+    some overlap at the end."""
 
 @type_check_only
 class _Queries:
     """The queries of every class that holds shapes."""
 
     @overload
-    def query_rect(
-        self,
-        rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids:
+    def query_rect(self, rect: tuple[_Real, _Real, _Real, _Real] | _Rect | Box, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids:
         """Find the shapes that overlap a rectangle, or each of many.
 
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
-            `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
-            `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
-            in a list.
+            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes `left`, `top`, `right`
+            and `bottom`, such as pygame's Rect, or `min_x`, `min_y`, `max_x` and `max_y`, such as :class:`jostle.Box`
+            (float32), are accepted, also in a list.
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none, as is an id
-            that nothing has.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id that nothing has.
 
         Returns
         -------
         ndarray of int64, shape (m,), or IdLists
-            Ids, ascending; for many rectangles the list of each. A shape that only touches
-            a rectangle does not overlap it.
+            Ids, ascending; for many rectangles the list of each. A shape that only touches a rectangle does not overlap
+            it.
 
         Raises
         ------
         ValueError
-            If a number is not finite, a minimum is above its maximum, or there are more
-            than 134217728 ids.
-
-        See Also
-        --------
-        query_circle, query_polygon : Other regions.
-        query_point : The shapes that contain a point.
+            If a number is not finite, a minimum is above its maximum, or there are more than 134217728 ids.
 
         Notes
         -----
-        The ids of a `Quadtree` are row numbers. Queries are converted to its dtype; the result is that
-        of brute force in this arithmetic. Many queries in one call use all threads. A shape without
-        categories (0) is found only if no mask is given.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_rect((2.5, -1, 9, 1))
-        array([1, 2])
-        >>> found = tree.query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])
-        >>> found[1], found.counts
-        (array([1, 2]), array([1, 2]))
-        """
+        The ids of a `Quadtree` are row numbers. Queries are converted to its dtype; the result is that of brute force
+        in this arithmetic. Many queries in one call use all threads. A shape without categories (0) is found only if no
+        mask is given."""
     @overload
-    def query_rect(
-        self,
-        rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array],
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> IdLists: ...
+    def query_rect(self, rect: _Array | Sequence[Sequence[_Real] | _Rect | Box | _Array], *, mask: _Mask = None,
+            exclude: _Exclude = None) -> IdLists: ...
     @overload
-    def query_rect(
-        self,
-        rect: Sequence[_Real],
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids: ...
+    def query_rect(self, rect: Sequence[_Real], *, mask: _Mask = None, exclude: _Exclude = None) -> _Ids: ...
     @overload
-    def query_rect(
-        self,
-        rect: _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids | IdLists | Any: ...
+    def query_rect(self, rect: _Undecided, *, mask: _Mask = None, exclude: _Exclude = None) -> _Ids | IdLists | Any: ...
     @overload
-    def query_circle(
-        self,
-        center: _Point,
-        radius: _Real,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids:
+    def query_circle(self, center: _Point, radius: _Real, *, mask: _Mask = None, exclude: _Exclude = None) -> _Ids:
         """Find the shapes that overlap a disc, or each of many.
 
         Parameters
@@ -634,82 +332,36 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none, as is an id
-            that nothing has.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id that nothing has.
 
         Returns
         -------
         ndarray of int64, shape (m,), or IdLists
-            Ids, ascending; for many discs the list of each. A shape that only touches
-            a disc does not overlap it.
+            Ids, ascending; for many discs the list of each. A shape that only touches a disc does not overlap it.
 
         Raises
         ------
         ValueError
-            If a number is not finite, a radius is out of range, or there are more than
-            134217728 ids.
-
-        See Also
-        --------
-        query_rect, query_polygon : Other regions.
-        nearest : The shapes nearest to a point, with distances.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_circle((1, 0), 1.5)
-        array([0, 1])
-        """
+            If a number is not finite, a radius is out of range, or there are more than 134217728 ids."""
     @overload
-    def query_circle(
-        self,
-        center: _Points,
-        radius: _Real | _Reals,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> IdLists: ...
+    def query_circle(self, center: _Points, radius: _Real | _Reals, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> IdLists: ...
     @overload
-    def query_circle(
-        self,
-        center: _OneOrMorePoints,
-        radius: _Reals,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> IdLists: ...
+    def query_circle(self, center: _OneOrMorePoints, radius: _Reals, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> IdLists: ...
     @overload
-    def query_circle(
-        self,
-        center: Sequence[_Real],
-        radius: _Real,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids: ...
+    def query_circle(self, center: Sequence[_Real], radius: _Real, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids: ...
     @overload
-    def query_circle(
-        self,
-        center: _AnyPoint | _Undecided,
-        radius: _Real | _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids | IdLists | Any: ...
+    def query_circle(self, center: _AnyPoint | _Undecided, radius: _Real | _Undecided, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids | IdLists | Any: ...
     @overload
-    def query_point(
-        self,
-        point: _Point,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids:
+    def query_point(self, point: _Point, *, mask: _Mask = None, exclude: _Exclude = None) -> _Ids:
         """Find the shapes that contain a point, or each of many points.
 
-        A circle, a rounded box, a segment or a capsule contains its edge. A rectangle contains
-        its left and its upper edge, but not the right and the lower, as in pygame, so tiles side
-        by side share no point. A rectangle of width and height 0 is a circle of radius 0.
+        A circle, a rounded box, a segment or a capsule contains its edge. A rectangle contains its left and its upper
+        edge, but not the right and the lower, as in pygame, so tiles side by side share no point. A rectangle of width
+        and height 0 is a circle of radius 0.
 
         Parameters
         ----------
@@ -718,8 +370,7 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none, as is an id
-            that nothing has.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id that nothing has.
 
         Returns
         -------
@@ -729,52 +380,17 @@ class _Queries:
         Raises
         ------
         ValueError
-            If a coordinate is not finite, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        query_circle : The shapes near a point.
-        nearest : The shapes nearest to a point.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])
-        >>> tree.query_point((1.0, 0.2))
-        array([1])
-        """
+            If a coordinate is not finite, or there are more than 134217728 ids."""
     @overload
-    def query_point(
-        self,
-        point: _Points,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> IdLists: ...
+    def query_point(self, point: _Points, *, mask: _Mask = None, exclude: _Exclude = None) -> IdLists: ...
     @overload
-    def query_point(
-        self,
-        point: Sequence[_Real],
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids: ...
+    def query_point(self, point: Sequence[_Real], *, mask: _Mask = None, exclude: _Exclude = None) -> _Ids: ...
     @overload
-    def query_point(
-        self,
-        point: _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids | IdLists | Any: ...
+    def query_point(self, point: _Undecided, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids | IdLists | Any: ...
     @overload
-    def query_polygon(
-        self,
-        vertices: _Array | Sequence[_Point],
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids:
+    def query_polygon(self, vertices: _Array | Sequence[_Point], *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids:
         """Find the shapes that overlap a convex polygon, or each of many.
 
         Parameters
@@ -784,65 +400,29 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is not found, one for all queries or one for each; -1 is none, as is an id
-            that nothing has.
+            An id that is not found, one for all queries or one for each; -1 is none, as is an id that nothing has.
 
         Returns
         -------
         ndarray of int64, shape (m,), or IdLists
-            Ids, ascending; for many polygons the list of each. A shape that only touches
-            a polygon does not overlap it.
+            Ids, ascending; for many polygons the list of each. A shape that only touches a polygon does not overlap it.
 
         Raises
         ------
         ValueError
-            If a polygon has fewer than three corners, is not convex or has no area, if a
-            coordinate is not finite, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        query_rect, query_circle : Other regions.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> tree.query_polygon([(1, 2), (5, 0.5), (5, 2)])
-        array([2])
-        """
+            If a polygon has fewer than three corners, is not convex or has no area, if a coordinate is not finite, or
+            there are more than 134217728 ids."""
     @overload
-    def query_polygon(
-        self,
-        vertices: Sequence[_Points],
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> IdLists: ...
+    def query_polygon(self, vertices: Sequence[_Points], *, mask: _Mask = None,
+            exclude: _Exclude = None) -> IdLists: ...
     @overload
-    def query_polygon(
-        self,
-        vertices: Sequence[Sequence[_Real]],
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids: ...
+    def query_polygon(self, vertices: Sequence[Sequence[_Real]], *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids: ...
     @overload
-    def query_polygon(
-        self,
-        vertices: _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> _Ids | IdLists | Any: ...
-    def nearest(
-        self,
-        point: _OneOrMorePoints,
-        k: SupportsIndex = 1,
-        *,
-        max_distance: _Number | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> Neighbors:
+    def query_polygon(self, vertices: _Undecided, *, mask: _Mask = None,
+            exclude: _Exclude = None) -> _Ids | IdLists | Any: ...
+    def nearest(self, point: _OneOrMorePoints, k: SupportsIndex = 1, *, max_distance: _Number | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
 
         Parameters
@@ -856,8 +436,7 @@ class _Queries:
         mask : int, optional
             Find only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (n,), optional
-            An id that is not found, one for all points or one for each; -1 is none, as is an id
-            that nothing has.
+            An id that is not found, one for all points or one for each; -1 is none, as is an id that nothing has.
 
         Returns
         -------
@@ -865,46 +444,19 @@ class _Queries:
             With the fields:
 
             ids : ndarray of int64, shape (k,) or (n, k)
-                Ids, the smaller first at equal distances; -1 if fewer than k are found; remove
-                those before you use them as an index.
+                Ids, the smaller first at equal distances; -1 if fewer than k are found; remove those before you use
+                them as an index.
             distances : ndarray of float32 or float64, shape (k,) or (n, k)
-                Distances to the surfaces, nearest first; 0 inside a shape, infinity if
-                fewer than k are found.
+                Distances to the surfaces, nearest first; 0 inside a shape, infinity if fewer than k are found.
 
         Raises
         ------
         ValueError
-            If a coordinate is not finite, k is less than 1, k times the number of points is
-            more than 134217728, or `max_distance` is negative.
-
-        See Also
-        --------
-        query_circle : All shapes within a distance.
-        raycast : The first shape in a direction.
-
-        References
-        ----------
-        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> tree.nearest((2, 0), k=2)
-        Neighbors(ids=array([1, 0]), distances=array([0., 1.]))
-        >>> tree.nearest((2, 0), exclude=1).ids
-        array([0])
-        """
+            If a coordinate is not finite, k is less than 1, k times the number of points is more than 134217728, or
+            `max_distance` is negative."""
     @overload
-    def raycast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHit:
+    def raycast(self, origin: _Point, direction: _Point, *, max_distance: _Number = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHit:
         """Find the first shape that a ray hits, or each of many rays.
 
         Parameters
@@ -912,112 +464,54 @@ class _Queries:
         origin : array_like, shape (2,) or (k, 2)
             Start of each ray.
         direction : array_like, shape (2,) or (k, 2)
-            Direction of each ray, of any length except 0. One origin may have many
-            directions, and many origins one direction.
+            Direction of each ray, of any length except 0. One origin may have many directions, and many origins one
+            direction.
         max_distance : array_like, a number or shape (k,), default inf
-            Maximum length of each ray, in units of length. With a period it must be given, and
-            be at most 1024 periods.
+            Maximum length of each ray, in units of length. With a period it must be given, and be at most 1024 periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits; other shapes are ignored.
         exclude : int or array_like of int, shape (k,), optional
-            An id that rays pass, one for all or one for each, such as that of the shape in which a
-            ray starts; -1 is none, as is an id
-            that nothing has.
+            An id that rays pass, one for all or one for each, such as that of the shape in which a ray starts; -1 is
+            none, as is an id that nothing has.
 
         Returns
         -------
         RayHit or RayHits
-            The id, at equal distances the smaller; -1 if no shape is hit, so test it before you use
-            it as an index. The distance to the surface; 0 if a ray starts in a shape, infinity if
-            nothing is hit. A ray that only touches an edge hits it. The point that is hit, and the
-            unit normal there, which points away from the shape. In a `World` the wall that is hit.
+            The id, at equal distances the smaller; -1 if no shape is hit, so test it before you use it as an index. The
+            distance to the surface; 0 if a ray starts in a shape, infinity if nothing is hit. A ray that only touches
+            an edge hits it. The point that is hit, and the unit normal there, which points away from the shape. In a
+            `World` the wall that is hit.
 
         Raises
         ------
         ValueError
             If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
 
-        See Also
-        --------
-        shape_cast : The first shape that a moving shape hits.
-        nearest : The nearest shape in any direction.
-
         Notes
         -----
-        In a :class:`World` rays and moving shapes also hit walls and the container, which is solid outside.
-        Then `id` is -1, and `wall` is the id of the wall or a :class:`Side`. A mask selects walls by their
-        categories; sides have the category 1. A one-way wall is hit only if all of the moving shape starts
-        strictly on the left of start → end and moves to the right. Walls that are sensors are not hit. At
-        equal distances a particle comes first, then a side, then a wall. In queries of `World.walls`, `id`
-        and `wall` are both the id of the wall; in other classes `wall` is always -1.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> hit = tree.raycast((-4, 0), (1, 0))
-        >>> hit.id, hit.distance, hit.point
-        (0, 3.0, array([-1.,  0.]))
-        >>> hits = tree.raycast((1.5, 0), [(1, 0), (0, 1), (-1, 0)])
-        >>> hits.ids, hits.distances
-        (array([ 1, -1,  0]), array([0.5, inf, 0.5]))
-        >>> world = jostle.World([(3, 0)], 1.0, container=jostle.Box(-5, -5, 5, 5))
-        >>> hits = world.raycast((0, 0), [(1, 0), (-1, 0)])
-        >>> hits.ids, hits.walls, hits.distances
-        (array([ 0, -1]), array([-1, -2]), array([2., 5.], dtype=float32))
-        """
+        In a :class:`World` rays and moving shapes also hit walls and the container, which is solid outside. Then `id`
+        is -1, and `wall` is the id of the wall or a :class:`Side`. A mask selects walls by their categories; sides have
+        the category 1. A one-way wall is hit only if all of the moving shape starts strictly on the left of start → end
+        and moves to the right. Walls that are sensors are not hit. At equal distances a particle comes first, then a
+        side, then a wall. In queries of `World.walls`, `id` and `wall` are both the id of the wall; in other classes
+        `wall` is always -1."""
     @overload
-    def raycast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def raycast(self, origin: _Points, direction: _OneOrMorePoints, *, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def raycast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def raycast(self, origin: _OneOrMorePoints, direction: _Points, *, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def raycast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHit: ...
+    def raycast(self, origin: _AnyPoint, direction: _AnyPoint, *, max_distance: _Number = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHit: ...
     @overload
-    def raycast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHit | RayHits | Any: ...
+    def raycast(self, origin: _AnyPoint | _Undecided, direction: _AnyPoint | _Undecided, *,
+            max_distance: _Real | _Reals = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHit | RayHits | Any: ...
     @overload
-    def shape_cast(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        radii: _Real = 0.0,
-        half_sizes: _Real | Sequence[_Real] | None = None,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHit:
+    def shape_cast(self, origin: _Point, direction: _Point, *, radii: _Real = 0.0,
+            half_sizes: _Real | Sequence[_Real] | None = None, max_distance: _Number = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHit:
         """Find the first shape that a moving shape hits, or each of many.
 
         Parameters
@@ -1031,124 +525,51 @@ class _Queries:
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
             Half widths and half heights of boxes.
         max_distance : array_like, a number or shape (k,), default inf
-            Maximum distance of each motion, in units of length. With a period it must be given,
-            and be at most 1024 periods.
+            Maximum distance of each motion, in units of length. With a period it must be given, and be at most 1024
+            periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits; other shapes are ignored.
         exclude : int or array_like of int, shape (k,), optional
-            An id that is passed, one for all or one for each, such as that of the moving shape; -1
-            is none.
+            An id that is passed, one for all or one for each, such as that of the moving shape; -1 is none.
 
         Returns
         -------
         RayHit or RayHits
-            The id and the distance of the motion until the hit, as from :meth:`raycast`; the point
-            where the surfaces touch, in the middle if sides touch.
+            The id and the distance of the motion until the hit, as from :meth:`raycast`; the point where the surfaces
+            touch, in the middle if sides touch.
 
         Raises
         ------
         ValueError
-            If a number is not finite, a direction is (0, 0), a size is out of range, or
-            `max_distance` is negative.
-
-        See Also
-        --------
-        raycast : The same for a point.
-
-        Examples
-        --------
-        A disc, and a square:
-
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> tree.shape_cast((-4, 0), (1, 0), radii=0.5).distance
-        2.5
-        >>> hit = tree.shape_cast((-4, 0.5), (1, 0), half_sizes=0.5)
-        >>> hit.distance, hit.point, hit.normal
-        (2.5, array([-1.,  0.]), array([-1.,  0.]))
-        """
+            If a number is not finite, a direction is (0, 0), a size is out of range, or `max_distance` is negative."""
     @overload
-    def shape_cast(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        radii: _Real | _Reals = 0.0,
-        half_sizes: _Real | _Reals | _Points | None = None,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def shape_cast(self, origin: _Points, direction: _OneOrMorePoints, *, radii: _Real | _Reals = 0.0,
+            half_sizes: _Real | _Reals | _Points | None = None, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def shape_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        radii: _Real | _Reals = 0.0,
-        half_sizes: _Real | _Reals | _Points | None = None,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def shape_cast(self, origin: _OneOrMorePoints, direction: _Points, *, radii: _Real | _Reals = 0.0,
+            half_sizes: _Real | _Reals | _Points | None = None, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def shape_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _OneOrMorePoints,
-        *,
-        radii: _Reals,
-        half_sizes: _Real | _Reals | _Points | None = None,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def shape_cast(self, origin: _OneOrMorePoints, direction: _OneOrMorePoints, *, radii: _Reals,
+            half_sizes: _Real | _Reals | _Points | None = None, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def shape_cast(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _OneOrMorePoints,
-        *,
-        radii: _Real | _Reals = 0.0,
-        half_sizes: _Points,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def shape_cast(self, origin: _OneOrMorePoints, direction: _OneOrMorePoints, *, radii: _Real | _Reals = 0.0,
+            half_sizes: _Points, max_distance: _Real | _Reals = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def shape_cast(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        radii: _Real = 0.0,
-        half_sizes: _Real | Sequence[_Real] | None = None,
-        max_distance: _Number = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHit: ...
+    def shape_cast(self, origin: _AnyPoint, direction: _AnyPoint, *, radii: _Real = 0.0,
+            half_sizes: _Real | Sequence[_Real] | None = None, max_distance: _Number = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHit: ...
     @overload
-    def shape_cast(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        radii: _Real | _Reals = 0.0,
-        half_sizes: _Real | _Reals | _Points | None = None,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHit | RayHits | Any: ...
+    def shape_cast(self, origin: _AnyPoint | _Undecided, direction: _AnyPoint | _Undecided, *,
+            radii: _Real | _Reals = 0.0, half_sizes: _Real | _Reals | _Points | None = None,
+            max_distance: _Real | _Reals = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHit | RayHits | Any: ...
     @overload
-    def raycast_all(
-        self,
-        origin: _Point,
-        direction: _Point,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits:
+    def raycast_all(self, origin: _Point, direction: _Point, *, max_distance: _Real = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHits:
         """Find every shape that a ray hits, nearest first, or that each of many rays hits.
 
         Parameters
@@ -1158,126 +579,71 @@ class _Queries:
         direction : array_like, shape (2,) or (k, 2)
             Direction of each ray, of any length except 0.
         max_distance : array_like, a number or shape (k,), default inf
-            Maximum length of each ray, in units of length. With a period it must be given, and
-            be at most 1024 periods.
+            Maximum length of each ray, in units of length. With a period it must be given, and be at most 1024 periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits.
         exclude : int or array_like of int, shape (k,), optional
-            An id that rays pass, one for all or one for each; -1 is none, as is an id
-            that nothing has.
+            An id that rays pass, one for all or one for each; -1 is none, as is an id that nothing has.
 
         Returns
         -------
         RayHits or RayHitLists
-            All hits of one ray, each shape once, at equal distances the smaller id first; for
-            many rays those of each. In a `World` also walls, and the side at which
-            each ray leaves the container.
+            All hits of one ray, each shape once, at equal distances the smaller id first; for many rays those of each.
+            In a `World` also walls, and the side at which each ray leaves the container.
 
         Raises
         ------
         ValueError
-            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
-            there are more than 134217728 hits.
-
-        See Also
-        --------
-        raycast : The first shape alone.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
-        >>> hits = tree.raycast_all((-4, 0), (1, 0), max_distance=6)
-        >>> hits.ids, hits.distances
-        (array([0, 1]), array([3., 6.]))
-        """
+            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or there are more than
+            134217728 hits."""
     @overload
-    def raycast_all(
-        self,
-        origin: _Points,
-        direction: _OneOrMorePoints,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHitLists: ...
+    def raycast_all(self, origin: _Points, direction: _OneOrMorePoints, *, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHitLists: ...
     @overload
-    def raycast_all(
-        self,
-        origin: _OneOrMorePoints,
-        direction: _Points,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHitLists: ...
+    def raycast_all(self, origin: _OneOrMorePoints, direction: _Points, *, max_distance: _Real | _Reals = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHitLists: ...
     @overload
-    def raycast_all(
-        self,
-        origin: _AnyPoint,
-        direction: _AnyPoint,
-        *,
-        max_distance: _Real = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits: ...
+    def raycast_all(self, origin: _AnyPoint, direction: _AnyPoint, *, max_distance: _Real = math.inf,
+            mask: _Mask = None, exclude: _Exclude = None) -> RayHits: ...
     @overload
-    def raycast_all(
-        self,
-        origin: _AnyPoint | _Undecided,
-        direction: _AnyPoint | _Undecided,
-        *,
-        max_distance: _Real | _Reals = math.inf,
-        mask: SupportsIndex | None = None,
-        exclude: SupportsIndex | _IdList | None = None,
-    ) -> RayHits | RayHitLists | Any: ...
+    def raycast_all(self, origin: _AnyPoint | _Undecided, direction: _AnyPoint | _Undecided, *,
+            max_distance: _Real | _Reals = math.inf, mask: _Mask = None,
+            exclude: _Exclude = None) -> RayHits | RayHitLists | Any: ...
+    def __len__(self) -> int: ...
 
 @type_check_only
 class _ShapeQueries(_Queries):
     """Those of the classes whose shapes have neighbours among themselves."""
 
-    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> IdLists:
+    def neighbors(self, distance: _Number, *, mask: _Mask = None) -> IdLists:
         """Find the neighbours of every shape within a distance.
 
         Parameters
         ----------
         distance : float
-            Shapes are neighbours if the gap between their surfaces is below this, in units of
-            length; each radius is increased by half of it.
+            Shapes are neighbours if the gap between their surfaces is below this, in units of length; each radius is
+            increased by half of it.
         mask : int, optional
             Find only neighbours of which both have a category in this set of bits.
 
         Returns
         -------
         IdLists
-            For each shape, in the order of its row, the ids of its neighbours, ascending, itself left
-            out. The fields `offsets` and `ids` are compressed sparse rows.
+            For each shape, in the order of its row, the ids of its neighbours, ascending, itself left out. The fields
+            `offsets` and `ids` are compressed sparse rows.
 
         Raises
         ------
         ValueError
-            If `distance` is negative or out of range, or there are more than 134217728 ids.
-
-        See Also
-        --------
-        pairs : All pairs within a distance.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)])
-        >>> list(tree.neighbors(3.5))
-        [array([1]), array([0, 2]), array([1])]
-        """
+            If `distance` is negative or out of range, or there are more than 134217728 ids."""
 
 @final
 class Quadtree(_ShapeQueries):
     """A quadtree over shapes that do not change.
 
-    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
-    one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0. The
-    tree is built once, for any positions; there are no bounds to choose. Several threads may
-    query it at the same time.
+    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``, one of `boxes`, or
+    one of `segments`. A circle has half size 0, a rectangle radius 0. The tree is built once, for any positions; there
+    are no bounds to choose. Several threads may query it at the same time.
 
     Parameters
     ----------
@@ -1288,202 +654,112 @@ class Quadtree(_ShapeQueries):
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
-        Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-        are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
-        width and height. The four numbers are compared without rounding:
-        boxes that share an edge never overlap, whereas sides computed as
-        ``center ± half_size`` are rounded. With `radii`, the shapes are rounded boxes.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`. Objects with the
+        attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect, are accepted in a list or a tuple, but
+        not in an array, which NumPy fills with x, y, width and height. The four numbers are compared without rounding:
+        boxes that share an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded. With
+        `radii`, the shapes are rounded boxes.
     segments : array_like, shape (n, 2, 2), optional
-        Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
-        capsules with `radii`. Segments that cross overlap; those that share an end, or lie on one
-        line, do not. With a period the ends are at most one period apart along each axis.
+        Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or capsules with `radii`.
+        Segments that cross overlap; those that share an end, or lie on one line, do not. With a period the ends are at
+        most one period apart along each axis.
     categories : array_like of int, a number or shape (n,), optional
         Categories of each shape, as a set of 32 bits; 1 if omitted.
     masks : array_like of int, a number or shape (n,), optional
-        Categories each shape may pair with, as a set of 32 bits; all of them if
-        omitted. Shapes i and j may pair only if both ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]`` are not 0. A negative integer stands for its low 32
-        bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~``
-        sets no bits above the 8th or 16th.
+        Categories each shape may pair with, as a set of 32 bits; all of them if omitted. Shapes i and j may pair only
+        if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` are not 0. A negative integer stands for
+        its low 32 bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~`` sets no
+        bits above the 8th or 16th.
     period : float or (float, float), optional
-        Width and height of a periodic plane, one number for both; 0 or None on an axis that is
-        not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
-        the period are equal in every method, and each shape is found once.
+        Width and height of a periodic plane, one number for both; 0 or None on an axis that is not periodic. Centres
+        are moved into ``[0, period)``; positions that differ by a multiple of the period are equal in every method, and
+        each shape is found once.
     leaf_capacity : int, default 96
         Shapes that a box may hold before it splits into four.
     max_depth : int, default 4096
-        Maximum number of subdivisions: with 0 there is one box, with 2 there are two levels
-        below it. The default never prevents a split.
+        Maximum number of subdivisions: with 0 there is one box, with 2 there are two levels below it. The default never
+        prevents a split.
     threads : int, optional
-        Number of threads, at most one for each core, which is the default. Every answer is
-        the same for every number.
+        Number of threads, at most one for each core, which is the default. Every answer is the same for every number.
 
     Raises
     ------
     TypeError
-        If an argument does not hold numbers, or if not exactly one of `positions`, `boxes`
-        and `segments` is given.
+        If an argument does not hold numbers, or if not exactly one of `positions`, `boxes` and `segments` is given.
     ValueError
         If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 
-    See Also
-    --------
-    find_pairs : The pairs alone, in one call.
-    Space : Shapes that are added, moved and removed.
-    World.pairs : Queries of particles.
-
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
-    count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
-    given arrays.
+    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers count as float64. A plain
+    number, or a plain pair of half sizes, takes the precision of the given arrays.
 
-    Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
-    1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
-    is at most an eighth of the largest number of the type, a box at most twice as wide and
-    high as that.
-
-    References
-    ----------
-    H. Samet, *Foundations of Multidimensional and Metric Data Structures* (2006), chapter 1.4.
-    T. Karras, *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*, High
-    Performance Graphics (2012).
-
-    Examples
-    --------
-    >>> import jostle
-    >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-    >>> tree.pairs()
-    array([[1, 2]])
-    >>> tree.stats
-    Stats(nodes=1, leaves=1, depth=0, tests=3)
-    """
+    Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in
+    float64: squares of other numbers overflow or lose digits. A half size is at most an eighth of the largest number of
+    the type, a box at most twice as wide and high as that."""
 
     @overload
-    def __new__(
-        cls,
-        positions: _Vectors,
-        radii: ArrayLike = 0.0,
-        half_sizes: ArrayLike | None = None,
-        *,
-        boxes: None = None,
-        segments: None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        period: _Period | None = None,
-        leaf_capacity: SupportsIndex = 96,
-        max_depth: SupportsIndex = 4096,
-        threads: SupportsIndex | None = None,
-    ) -> Self: ...
+    def __new__(cls, positions: _Vectors, radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *,
+            boxes: None = None, segments: None = None, categories: ArrayLike | None = None,
+            masks: ArrayLike | None = None, period: _Period | None = None, leaf_capacity: SupportsIndex = 96,
+            max_depth: SupportsIndex = 4096, threads: SupportsIndex | None = None) -> Self: ...
     @overload
-    def __new__(
-        cls,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: _Boxes,
-        segments: None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        period: _Period | None = None,
-        leaf_capacity: SupportsIndex = 96,
-        max_depth: SupportsIndex = 4096,
-        threads: SupportsIndex | None = None,
-    ) -> Self: ...
+    def __new__(cls, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: _Boxes,
+            segments: None = None, categories: ArrayLike | None = None, masks: ArrayLike | None = None,
+            period: _Period | None = None, leaf_capacity: SupportsIndex = 96, max_depth: SupportsIndex = 4096,
+            threads: SupportsIndex | None = None) -> Self: ...
     @overload
-    def __new__(
-        cls,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: None = None,
-        segments: ArrayLike,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        period: _Period | None = None,
-        leaf_capacity: SupportsIndex = 96,
-        max_depth: SupportsIndex = 4096,
-        threads: SupportsIndex | None = None,
-    ) -> Self: ...
-    def pairs(
-        self,
-        other: Quadtree | None = None,
-        *,
-        sort: bool = False,
-        max_pairs: SupportsIndex = 134217728,
-        mask: SupportsIndex | None = None,
-        distance: _Number = 0.0,
-    ) -> _Pairs:
+    def __new__(cls, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: None = None,
+            segments: ArrayLike, categories: ArrayLike | None = None, masks: ArrayLike | None = None,
+            period: _Period | None = None, leaf_capacity: SupportsIndex = 96, max_depth: SupportsIndex = 4096,
+            threads: SupportsIndex | None = None) -> Self: ...
+    def pairs(self, other: Quadtree | None = None, *, sort: bool = False, max_pairs: SupportsIndex = 134217728,
+            mask: _Mask = None, distance: _Number = 0.0) -> _Pairs:
         """Find every pair of overlapping shapes in this tree, or between it and another.
 
         Parameters
         ----------
         other : Quadtree, optional
-            A tree of the same dtype. If omitted, the pairs are those within this tree, ``i < j``.
-            If `other` is this tree, it is treated as any other tree: each pair comes in both
-            orders, and each shape with an area pairs with itself.
+            A tree of the same dtype. If omitted, the pairs are those within this tree, ``i < j``. If `other` is this
+            tree, it is treated as any other tree: each pair comes in both orders, and each shape with an area pairs
+            with itself.
         sort : bool, default False
-            Whether to sort the pairs by the first, then by the second shape. If False, they
-            come in the order of this tree, which is the same for every number of threads.
+            Whether to sort the pairs by the first, then by the second shape. If False, they come in the order of this
+            tree, which is the same for every number of threads.
         max_pairs : int, default 134217728
             Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
         distance : float, default 0.0
-            Find pairs whose gap is below this, in units of length: each radius is increased by half
-            of it. If 0, the shapes must overlap.
+            Find pairs whose gap is below this, in units of length: each radius is increased by half of it. If 0, the
+            shapes must overlap.
 
         Returns
         -------
         ndarray of int64, shape (m, 2)
-            Row numbers ``i < j`` of each pair, every pair once; with `other`, i is
-            a row of this tree and j a row of the other.
+            Row numbers ``i < j`` of each pair, every pair once; with `other`, i is a row of this tree and j a row of
+            the other.
 
         Raises
         ------
         TypeError
             If the dtypes of the two trees differ.
         ValueError
-            If more than `max_pairs` pairs overlap.
-
-        See Also
-        --------
-        contacts : The same with normals and depths.
-        find_pairs : The pairs of arrays, without a tree.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> rocks = jostle.Quadtree([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> shots = jostle.Quadtree([(0.5, 0), (9, 0)], radii=0.1)
-        >>> rocks.pairs(shots)
-        array([[0, 0]])
-        """
-    def contacts(
-        self,
-        other: Quadtree | None = None,
-        *,
-        sort: bool = False,
-        max_pairs: SupportsIndex = 134217728,
-        mask: SupportsIndex | None = None,
-    ) -> Contacts:
-        """Find every pair of overlapping shapes in this tree, or between it and another, and how each
-        overlaps.
+            If more than `max_pairs` pairs overlap."""
+    def contacts(self, other: Quadtree | None = None, *, sort: bool = False, max_pairs: SupportsIndex = 134217728,
+            mask: _Mask = None) -> Contacts:
+        """Find every pair of overlapping shapes in this tree, or between it and another, and how each overlaps.
 
         Parameters
         ----------
         other : Quadtree, optional
-            A tree of the same dtype and period. If omitted, the pairs are those within this tree,
-            ``i < j``.
+            A tree of the same dtype and period. If omitted, the pairs are those within this tree, ``i < j``.
         sort : bool, default False
-            Whether to sort the contacts by the first, then by the second shape of the pair. If
-            False, they come in the order of :meth:`pairs`.
+            Whether to sort the contacts by the first, then by the second shape of the pair. If False, they come in the
+            order of :meth:`pairs`.
         max_pairs : int, default 134217728
-            Maximum number of pairs to return. Each takes 80 bytes, in float32 52, and about as
-            much during the search; memory is allocated only for the pairs that are found.
+            Maximum number of pairs to return. Each takes 80 bytes, in float32 52, and about as much during the search;
+            memory is allocated only for the pairs that are found.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
 
@@ -1495,14 +771,12 @@ class Quadtree(_ShapeQueries):
             pairs : ndarray of int64, shape (m, 2)
                 As from :meth:`pairs`: row numbers i and j.
             normals : ndarray of the tree's dtype, shape (m, 2)
-                Unit vectors from i to j. If the cores of the shapes overlap, the axis
-                of least penetration; +x for coincident centres.
+                Unit vectors from i to j. If the cores of the shapes overlap, the axis of least penetration; +x for
+                coincident centres.
             depths : ndarray of the tree's dtype, shape (m,)
-                Penetration: the distance that j must move along the normal until the two only
-                touch.
+                Penetration: the distance that j must move along the normal until the two only touch.
             points : ndarray of the tree's dtype, shape (m, 2, 2)
-                One or two points in the middle of the overlap; NaN for a second one that does not
-                exist.
+                One or two points in the middle of the overlap; NaN for a second one that does not exist.
             categories : ndarray of uint32, shape (m, 2)
                 The categories of i and j.
 
@@ -1513,24 +787,7 @@ class Quadtree(_ShapeQueries):
         ValueError
             If the periods of the two trees differ, or more than `max_pairs` pairs overlap.
         MemoryError
-            If there is no memory for the contacts.
-
-        See Also
-        --------
-        pairs : The pairs alone.
-        World.last_step : The contacts of particles in the last step, with impulses.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
-        >>> contacts = tree.contacts()
-        >>> contacts.pairs, contacts.normals, contacts.depths
-        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
-        >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
-        >>> tree.contacts(walls, sort=True).depths
-        array([0.5, 1.5])
-        """
+            If there is no memory for the contacts."""
     def nodes(self) -> Nodes:
         """Return the boxes of the tree.
 
@@ -1540,10 +797,9 @@ class Quadtree(_ShapeQueries):
             Four arrays:
 
             boxes : ndarray of float64, shape (k, 4)
-                min_x, min_y, max_x, max_y of each box. It contains the centres of its
-                shapes; a shape may extend beyond it. Quarters without shapes
-                are omitted, and so are subdivisions that would separate nothing:
-                coincident shapes are in one box, whatever their number.
+                min_x, min_y, max_x, max_y of each box. It contains the centres of its shapes; a shape may extend beyond
+                it. Quarters without shapes are omitted, and so are subdivisions that would separate nothing: coincident
+                shapes are in one box, whatever their number.
             levels : ndarray of int64, shape (k,)
                 Subdivisions above each box.
             counts : ndarray of int64, shape (k,)
@@ -1551,59 +807,34 @@ class Quadtree(_ShapeQueries):
             is_leaf : ndarray of bool, shape (k,)
                 Whether the box did not split.
 
-            Parents precede their children; the first box is the root. A tree
-            without shapes has no boxes.
-
-        See Also
-        --------
-        stats : The number of boxes and their depth.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> tree = jostle.Quadtree([(0, 0), (1, 1), (7, 7)], leaf_capacity=2)
-        >>> tree.nodes().boxes
-        array([[0., 0., 8., 8.],
-               [0., 0., 4., 4.],
-               [4., 4., 8., 8.]])
-        """
+            Parents precede their children; the first box is the root. A tree without shapes has no boxes."""
     @property
     def stats(self) -> Stats:
         """Size of the tree and number of tests of the last query.
 
-        A `Stats` of four integers: `nodes` (boxes), `leaves` (boxes that did not
-        split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
-        the last query tested, against another shape or against the query; 0 before
-        the first query).
-
-        See Also
-        --------
-        nodes : The boxes.
-        """
+        A `Stats` of four integers: `nodes` (boxes), `leaves` (boxes that did not split), `depth` (subdivisions above
+        the deepest box) and `tests` (shapes that the last query tested, against another shape or against the query; 0
+        before the first query)."""
     @property
     def positions(self) -> NDArray[np.floating[Any]]:
-        """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the tree's dtype, shape
-        (n, 2), a copy. With a period they are in ``[0, period)``.
-        """
+        """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the tree's dtype, shape (n, 2), a copy.
+        With a period they are in ``[0, period)``."""
     @property
     def radii(self) -> NDArray[np.floating[Any]]:
         """Radii: ndarray of the tree's dtype, shape (n,), a copy."""
     @property
     def half_sizes(self) -> NDArray[np.floating[Any]]:
-        """Half widths and half heights: ndarray of the tree's dtype, shape (n, 2), a copy; 0 for
-        circles, ``(max - min) / 2`` for shapes given as boxes.
-        """
+        """Half widths and half heights: ndarray of the tree's dtype, shape (n, 2), a copy; 0 for circles,
+        ``(max - min) / 2`` for shapes given as boxes."""
     @property
     def boxes(self) -> NDArray[np.floating[Any]]:
         """The sides of the shapes without their radii: ndarray of the tree's dtype, shape (n, 4), a copy.
 
-        They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``.
-        """
+        They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``."""
     @property
     def segments(self) -> NDArray[np.floating[Any]]:
-        """Start and end of the segments: ndarray of the tree's dtype, shape (n, 2, 2), a copy; NaN for
-        shapes that are none. With a period their centres are in ``[0, period)``.
-        """
+        """Start and end of the segments: ndarray of the tree's dtype, shape (n, 2, 2), a copy; NaN for shapes that are
+        none. With a period their centres are in ``[0, period)``."""
     @property
     def categories(self) -> NDArray[np.uint32]:
         """Categories: ndarray of uint32, shape (n,), a copy."""
@@ -1617,35 +848,31 @@ class Quadtree(_ShapeQueries):
     def dtype(self) -> Literal["float32", "float64"]:
         """The precision of its arithmetic: "float32" or "float64"."""
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
-    def __len__(self) -> int: ...
 
 @final
 class Space(_ShapeQueries):
-    """A collection of shapes that can be added, moved, changed and removed, and of the pairs that
-    overlap.
+    """A collection of shapes that can be added, moved, changed and removed, and of the pairs that overlap.
 
-    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``,
-    one of `boxes`, or one of `segments`. A circle has half size 0, a rectangle radius 0.
-    Each shape has an id, which is never used again for another shape. The cost depends on the
-    shapes that change: a million shapes at rest cost much less than a thousand that move.
-    Every query includes all previous changes.
+    A shape is every point within `radius` of its core: the axis-aligned box ``center ± half_size``, one of `boxes`, or
+    one of `segments`. A circle has half size 0, a rectangle radius 0. Each shape has an id, which is never used again
+    for another shape. The cost depends on the shapes that change: a million shapes at rest cost much less than a
+    thousand that move. Every query includes all previous changes.
 
     Parameters
     ----------
     dtype : {"float64", "float32"}, default "float64"
         Precision of all arithmetic. Other numbers are converted.
     period : float or (float, float), optional
-        Width and height of a periodic plane, one number for both; 0 or None on an axis that is
-        not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
-        the period are equal in every method, and each shape is found once.
+        Width and height of a periodic plane, one number for both; 0 or None on an axis that is not periodic. Centres
+        are moved into ``[0, period)``; positions that differ by a multiple of the period are equal in every method, and
+        each shape is found once.
     leaf_capacity : int, default 96
-        Shapes that a box of a tree may hold before it splits into four. Small trees in a
-        space with many shapes use a smaller number.
+        Shapes that a box of a tree may hold before it splits into four. Small trees in a space with many shapes use a
+        smaller number.
     max_depth : int, default 4096
         Maximum number of subdivisions; the default never prevents a split.
     threads : int, optional
-        Number of threads, at most one for each core, which is the default. Every answer
-        is the same for every number.
+        Number of threads, at most one for each core, which is the default. Every answer is the same for every number.
 
     Raises
     ------
@@ -1654,50 +881,16 @@ class Space(_ShapeQueries):
     ValueError
         If a setting is out of range.
 
-    See Also
-    --------
-    Quadtree : An index of shapes that do not change.
-    World : Particles that move and collide; in other libraries this may be called a space.
-
     Notes
     -----
-    Where ids are an argument, one id may be given instead of an array; then the other arguments
-    are one value each. A refused call changes nothing.
+    Where ids are an argument, one id may be given instead of an array; then the other arguments are one value each. A
+    refused call changes nothing."""
 
-    Examples
-    --------
-    >>> import jostle
-    >>> space = jostle.Space()
-    >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
-    >>> space.set(ids[1], positions=(1.5, 0))
-    >>> space.update().entered
-    array([[0, 1]])
-    >>> space.remove(0)
-    >>> space.update().exited
-    array([[0, 1]])
-    """
-
-    def __new__(
-        cls,
-        *,
-        dtype: DTypeLike = "float64",
-        period: _Period | None = None,
-        leaf_capacity: SupportsIndex = 96,
-        max_depth: SupportsIndex = 4096,
-        threads: SupportsIndex | None = None,
-    ) -> Self: ...
+    def __new__(cls, *, dtype: DTypeLike = "float64", period: _Period | None = None, leaf_capacity: SupportsIndex = 96,
+            max_depth: SupportsIndex = 4096, threads: SupportsIndex | None = None) -> Self: ...
     @overload
-    def add(
-        self,
-        positions: _Point,
-        radii: ArrayLike = 0.0,
-        half_sizes: ArrayLike | None = None,
-        *,
-        boxes: None = None,
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int:
+    def add(self, positions: _Point, radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *, boxes: None = None,
+            segments: None = None, categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> int:
         """Add one shape or many.
 
         Parameters
@@ -1709,231 +902,112 @@ class Space(_ShapeQueries):
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
             Half widths and half heights. If omitted, the shapes are circles.
         boxes : array_like, shape (k, 4) or (4,), optional
-            Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`.
-            Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
-            are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
-            x, y, width and height. The four numbers are compared without rounding: boxes that share
-            an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded.
+            Sides min_x, min_y, max_x, max_y of each shape, in place of `positions` and `half_sizes`. Objects with the
+            attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect, are accepted, also in a list or a
+            tuple, but not in an array, which NumPy fills with x, y, width and height. The four numbers are compared
+            without rounding: boxes that share an edge never overlap, whereas sides computed as ``center ± half_size``
+            are rounded.
         segments : array_like, shape (k, 2, 2) or (2, 2), optional
-            Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or
-            capsules with `radii`. Segments that cross overlap; those that share an end do not. With a
-            period the ends are at most one period apart along each axis.
+            Start and end of each shape, in place of `positions` and `half_sizes`: line segments, or capsules with
+            `radii`. Segments that cross overlap; those that share an end do not. With a period the ends are at most one
+            period apart along each axis.
         categories : array_like of int, a number or shape (k,), default 1
             Categories of each shape, as a set of 32 bits.
         masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
-            Categories each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
-            if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` are not 0.
-            A negative integer stands for its low 32 bits, so ``masks=~SHIP`` is every category
-            except SHIP. For a uint8 or uint16 array, ``~`` sets no bits above the 8th or 16th.
+            Categories each shape may pair with, as a set of 32 bits. Shapes i and j may pair only if both
+            ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` are not 0. A negative integer stands for its
+            low 32 bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~`` sets no
+            bits above the 8th or 16th.
 
         Returns
         -------
         ndarray of int64, shape (k,), or int
-            Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
-            removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
-            indices of arrays; :meth:`rows` gives those.
+            Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After removals, later shapes
+            have ids of 2**32 and more, in any order: do not use ids as indices of arrays; :meth:`rows` gives those.
 
         Raises
         ------
         TypeError
-            If an argument does not hold numbers, or if not exactly one of `positions`,
-            `boxes` and `segments` is given.
+            If an argument does not hold numbers, or if not exactly one of `positions`, `boxes` and `segments` is given.
         ValueError
-            If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
-            or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
-
-        See Also
-        --------
-        set : Change shapes.
-        remove : Remove shapes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> space.add([(0, 0), (5, 0)], radii=1.0)
-        array([0, 1])
-        >>> space.add((2, 2), half_sizes=(1, 0.5))
-        2
-        >>> space.add(boxes=[(0, 3, 0.1, 4), (0.1, 3, 0.2, 4)])
-        array([3, 4])
-        >>> space.add(segments=jostle.polyline([(-1, 1), (6, 1), (6, 9)]))
-        array([5, 6])
-        """
+            If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0, or between 1e-18 and
+            1e18 in float32 and between 1e-150 and 1e150 in float64."""
     @overload
-    def add(
-        self,
-        positions: _Points,
-        radii: ArrayLike = 0.0,
-        half_sizes: ArrayLike | None = None,
-        *,
-        boxes: None = None,
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> _Ids: ...
+    def add(self, positions: _Points, radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *,
+            boxes: None = None, segments: None = None, categories: ArrayLike = 1,
+            masks: ArrayLike = 0xFFFFFFFF) -> _Ids: ...
     @overload
-    def add(
-        self,
-        positions: Sequence[_Real],
-        radii: ArrayLike = 0.0,
-        half_sizes: ArrayLike | None = None,
-        *,
-        boxes: None = None,
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int: ...
+    def add(self, positions: Sequence[_Real], radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *,
+            boxes: None = None, segments: None = None, categories: ArrayLike = 1,
+            masks: ArrayLike = 0xFFFFFFFF) -> int: ...
     @overload
-    def add(
-        self,
-        positions: _Undecided,
-        radii: ArrayLike = 0.0,
-        half_sizes: ArrayLike | None = None,
-        *,
-        boxes: None = None,
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int | _Ids | Any: ...
+    def add(self, positions: _Undecided, radii: ArrayLike = 0.0, half_sizes: ArrayLike | None = None, *,
+            boxes: None = None, segments: None = None, categories: ArrayLike = 1,
+            masks: ArrayLike = 0xFFFFFFFF) -> int | _Ids | Any: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: tuple[_Real, _Real, _Real, _Real] | _Rect,
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *,
+            boxes: tuple[_Real, _Real, _Real, _Real] | _Rect, segments: None = None, categories: ArrayLike = 1,
+            masks: ArrayLike = 0xFFFFFFFF) -> int: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: _Array | Sequence[Sequence[_Real] | _Rect | _Array],
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> _Ids: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *,
+            boxes: _Array | Sequence[Sequence[_Real] | _Rect | _Array], segments: None = None,
+            categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> _Ids: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: Sequence[_Real],
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: Sequence[_Real],
+            segments: None = None, categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> int: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: _Undecided,
-        segments: None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int | _Ids | Any: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: _Undecided,
+            segments: None = None, categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> int | _Ids | Any: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: None = None,
-        segments: _Segment,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: None = None,
+            segments: _Segment, categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> int: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: None = None,
-        segments: _Segments,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> _Ids: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: None = None,
+            segments: _Segments, categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> _Ids: ...
     @overload
-    def add(
-        self,
-        positions: None = None,
-        radii: ArrayLike = 0.0,
-        half_sizes: None = None,
-        *,
-        boxes: None = None,
-        segments: _Undecided,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 0xFFFFFFFF,
-    ) -> int | _Ids | Any: ...
+    def add(self, positions: None = None, radii: ArrayLike = 0.0, half_sizes: None = None, *, boxes: None = None,
+            segments: _Undecided, categories: ArrayLike = 1, masks: ArrayLike = 0xFFFFFFFF) -> int | _Ids | Any: ...
     @overload
-    def move_and_slide(
-        self,
-        ids: _Id,
-        displacements: _AnyPoint | _Array,
-        *,
-        mask: SupportsIndex | None = None,
-        up: _Vectors = (0, -1),
-        floor_angle: _Number = 0.7853981633974483,
-        snap: _Number = 0,
-        step_height: _Number = 0,
-        constant_speed: bool = False,
-        one_way: SupportsIndex = 0,
-        max_slides: SupportsIndex = 4,
-    ) -> Slide:
+    def move_and_slide(self, ids: _Id, displacements: _AnyPoint | _Array, *, mask: _Mask = None, up: _Vectors = (0, -1),
+            floor_angle: _Number = 0.7853981633974483, snap: _Number = 0, step_height: _Number = 0,
+            constant_speed: bool = False, one_way: SupportsIndex = 0, max_slides: SupportsIndex = 4) -> Slide:
         """Move shapes by displacements; they slide along the others and never enter them.
 
-        A shape moves until it meets an obstacle, then along the surface of the obstacle, and so
-        on. The time of impact is computed along the whole path, so nothing passes through an
-        obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
-        joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
-        boxes, line segments and those with a radius.
+        A shape moves until it meets an obstacle, then along the surface of the obstacle, and so on. The time of impact
+        is computed along the whole path, so nothing passes through an obstacle at any speed. A shape that touches an
+        obstacle does not overlap it, and the joints between tiles do not stop it. Discs, boxes and rounded boxes move
+        among discs, boxes, line segments and those with a radius.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            The shapes to move, each at most once: circles and boxes, no segments. A shape that was
-            given as a box, and that moves, is stored as ``center ± half_size`` from then on.
+            The shapes to move, each at most once: circles and boxes, no segments. A shape that was given as a box, and
+            that moves, is stored as ``center ± half_size`` from then on.
         displacements : array_like, shape (k, 2), or (2,) for one id
             By how much each is to move: its velocity times the duration of a step.
         mask : int, optional
-            The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes
-            that may not pair by their own categories and masks are no obstacles either.
+            The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes that may not pair
+            by their own categories and masks are no obstacles either.
         up : array_like, shape (2,), default (0, -1)
-            The direction in which floors face; y grows downwards on screens. With (0, 0), as seen
-            from above, every obstacle is a wall.
+            The direction in which floors face; y grows downwards on screens. With (0, 0), as seen from above, every
+            obstacle is a wall.
         floor_angle : float, default pi / 4
-            Largest angle between the normal of a floor and `up`, in radians. A shape stands on a
-            floor without sliding down, and climbs it; a steeper slope is a wall.
+            Largest angle between the normal of a floor and `up`, in radians. A shape stands on a floor without sliding
+            down, and climbs it; a steeper slope is a wall.
         snap : float, default 0
-            A shape that walks is put on a floor that is at most this far below it at the end, in
-            units of length. So it does not hop downhill or down steps. See Notes.
+            A shape that walks is put on a floor that is at most this far below it at the end, in units of length. So it
+            does not hop downhill or down steps. See Notes.
         step_height : float, default 0
-            A shape that walks climbs steps of at most this height onto a floor, in units of length,
-            where there is room.
+            A shape that walks climbs steps of at most this height onto a floor, in units of length, where there is
+            room.
         constant_speed : bool, default False
-            Whether a shape that walks moves along a floor as far as its displacement leads across
-            `up`, uphill and downhill. Otherwise its way depends on the slope and on gravity.
+            Whether a shape that walks moves along a floor as far as its displacement leads across `up`, uphill and
+            downhill. Otherwise its way depends on the slope and on gravity.
         one_way : int, default 0
-            Categories of the obstacles that stop only shapes that are above them and move down. To be
-            above a segment is to be above the line through its ends; one along `up` stops nothing.
+            Categories of the obstacles that stop only shapes that are above them and move down. To be above a segment
+            is to be above the line through its ends; one along `up` stops nothing.
         max_slides : int, default 4
-            Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
-            last one.
+            Maximum number of obstacles along which a shape slides, at most 1000; it stops at the last one.
 
         Returns
         -------
@@ -1943,8 +1017,8 @@ class Space(_ShapeQueries):
             displacement : ndarray of the space's dtype, shape (k, 2)
                 How far each shape has moved.
             remaining : ndarray of the space's dtype, shape (k, 2)
-                The displacements that were given, without their components into the obstacles:
-                divided by the duration of the step, the velocities for the next step.
+                The displacements that were given, without their components into the obstacles: divided by the duration
+                of the step, the velocities for the next step.
             hits : IdLists
                 Ids of the obstacles that each shape has met, each once.
             normals : ndarray of the space's dtype, shape (m, 2)
@@ -1952,8 +1026,8 @@ class Space(_ShapeQueries):
             floor : ndarray of int64, shape (k,)
                 Id of the last floor; -1 if there is none.
             platform_velocity : ndarray of the space's dtype, shape (k, 2)
-                The displacement of that floor since the last call for the shape; without one, that
-                of the floor on which the shape stood before.
+                The displacement of that floor since the last call for the shape; without one, that of the floor on
+                which the shape stood before.
             on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
                 Whether each shape has met one.
             crushed : ndarray of bool, shape (k,)
@@ -1966,100 +1040,43 @@ class Space(_ShapeQueries):
         IdError
             If an id does not exist; then nothing moves.
         ValueError
-            If an id is given twice or belongs to a segment, or a value is not finite or out of range;
-            then nothing moves.
-
-        See Also
-        --------
-        set : Sets positions, also where other shapes are.
-        jostle.polyline : Line segments, for slopes and outlines of polygons.
-        tiles : Merges the tiles of a grid into few boxes.
+            If an id is given twice or belongs to a segment, or a value is not finite or out of range; then nothing
+            moves.
 
         Notes
         -----
-        Shapes of one call that may meet move one after another, in the order of `ids`, except that a
-        floor moves before the shapes that stand on it, the foremost of shapes with the same
-        displacement first, and shapes whose category `mask` leaves out last. The order of other
-        shapes has no effect.
+        Shapes of one call that may meet move one after another, in the order of `ids`, except that a floor moves before
+        the shapes that stand on it, the foremost of shapes with the same displacement first, and shapes whose category
+        `mask` leaves out last. The order of other shapes has no effect.
 
-        A shape walks if its displacement has no component along `up`, and if it touches something
-        below at the beginning or meets a floor on its way. To touch means a gap of at most 1/1024 of
-        its size. So a jump leaves the floor, and what falls is not attracted by one. With `snap`,
-        `remaining` has no component along `up` after a walk that ends on a floor. A step is climbed
-        by moving up, on, and down onto a floor; the point that touches the floor is at most
-        `step_height` above the lowest point of the shape.
+        A shape walks if its displacement has no component along `up`, and if it touches something below at the
+        beginning or meets a floor on its way. To touch means a gap of at most 1/1024 of its size. So a jump leaves the
+        floor, and what falls is not attracted by one. With `snap`, `remaining` has no component along `up` after a walk
+        that ends on a floor. A step is climbed by moving up, on, and down onto a floor; the point that touches the
+        floor is at most `step_height` above the lowest point of the shape.
 
-        The motions that obstacles have made since the last call for a shape, by :meth:`set` or by
-        another call, are repeated first, all at the same time: what meets the shape pushes it. A
-        shape that met a floor in its last call is carried by it: it moves by the same vector, and
-        other obstacles that move by this vector do not stop it. Several motions between two calls
-        count as one along a straight line; of motions with calls between them, the last one counts.
-        A shape that overlaps obstacles after that is moved out of them. Obstacles that it cannot leave
+        The motions that obstacles have made since the last call for a shape, by :meth:`set` or by another call, are
+        repeated first, all at the same time: what meets the shape pushes it. A shape that met a floor in its last call
+        is carried by it: it moves by the same vector, and other obstacles that move by this vector do not stop it.
+        Several motions between two calls count as one along a straight line; of motions with calls between them, the
+        last one counts. A shape that overlaps obstacles after that is moved out of them. Obstacles that it cannot leave
         do not stop it.
 
-        A floor that moves in the same call first pushes the shapes that stand on it; one that cannot
-        move stops the floor. Floors that touch and have the same displacement are one body: each
-        pushes what stands on any of them, and nothing that does stops them. So no shape moves into
-        an obstacle. There is one exception: an obstacle may push or carry a shape against another
-        obstacle and overlap it there. This happens if it was moved before the call, if `mask` leaves
-        out the category of the shape, or if it is a part of a body. `hits` includes what stops a
-        shape that is carried or pushed, and what pushes it.
-
-        Examples
-        --------
-        A player falls onto a floor and slides along it; then a wall stops it.
-
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> floor, wall = space.add(boxes=[(0, 10, 100, 20), (50, 0, 60, 10)])
-        >>> player = space.add((10, 5), half_sizes=(2, 4))
-        >>> slide = space.move_and_slide(player, (8, 5))
-        >>> slide.on_floor, slide.remaining
-        (True, array([8., 0.]))
-        >>> space.get(player).positions.round(6)
-        array([18.,  6.])
-        >>> slide = space.move_and_slide(player, (1000, 5))
-        >>> slide.on_floor, slide.on_wall, space.get(player).positions.round(6)
-        (True, True, array([48.,  6.]))
-
-        Another one walks up a slope.
-
-        >>> flat, slope = space.add(segments=jostle.polyline([(-40, 50), (0, 50), (40, 20)]))
-        >>> walker = space.add((-5, 48), radii=2.0)
-        >>> slide = space.move_and_slide(walker, (25, 1))
-        >>> slide.on_floor, bool(slide.floor == slope)
-        (True, True)
-        """
+        A floor that moves in the same call first pushes the shapes that stand on it; one that cannot move stops the
+        floor. Floors that touch and have the same displacement are one body: each pushes what stands on any of them,
+        and nothing that does stops them. So no shape moves into an obstacle. There is one exception: an obstacle may
+        push or carry a shape against another obstacle and overlap it there. This happens if it was moved before the
+        call, if `mask` leaves out the category of the shape, or if it is a part of a body. `hits` includes what stops a
+        shape that is carried or pushed, and what pushes it."""
     @overload
-    def move_and_slide(
-        self,
-        ids: _IdList,
-        displacements: _Points,
-        *,
-        mask: SupportsIndex | None = None,
-        up: _Vectors = (0, -1),
-        floor_angle: _Number = 0.7853981633974483,
-        snap: _Number = 0,
-        step_height: _Number = 0,
-        constant_speed: bool = False,
-        one_way: SupportsIndex = 0,
-        max_slides: SupportsIndex = 4,
-    ) -> Slides: ...
+    def move_and_slide(self, ids: _IdList, displacements: _Points, *, mask: _Mask = None, up: _Vectors = (0, -1),
+            floor_angle: _Number = 0.7853981633974483, snap: _Number = 0, step_height: _Number = 0,
+            constant_speed: bool = False, one_way: SupportsIndex = 0, max_slides: SupportsIndex = 4) -> Slides: ...
     @overload
-    def move_and_slide(
-        self,
-        ids: _Undecided,
-        displacements: _Undecided,
-        *,
-        mask: SupportsIndex | None = None,
-        up: _Vectors = (0, -1),
-        floor_angle: _Number = 0.7853981633974483,
-        snap: _Number = 0,
-        step_height: _Number = 0,
-        constant_speed: bool = False,
-        one_way: SupportsIndex = 0,
-        max_slides: SupportsIndex = 4,
-    ) -> Slide | Slides | Any: ...
+    def move_and_slide(self, ids: _Undecided, displacements: _Undecided, *, mask: _Mask = None, up: _Vectors = (0, -1),
+            floor_angle: _Number = 0.7853981633974483, snap: _Number = 0, step_height: _Number = 0,
+            constant_speed: bool = False, one_way: SupportsIndex = 0,
+            max_slides: SupportsIndex = 4) -> Slide | Slides | Any: ...
     @overload
     def get(self, ids: _Id) -> Shape:
         """Return some shapes.
@@ -2079,60 +1096,35 @@ class Space(_ShapeQueries):
         TypeError
             If `ids` does not hold integers.
         IdError
-            If an id does not exist.
-
-        See Also
-        --------
-        set : Change some shapes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 4)], radii=[1.0, 2.0])
-        >>> space.get(1).positions, space.get(1).radii
-        (array([3., 4.]), 2.0)
-        >>> space.get([1, 0]).radii
-        array([2., 1.])
-        """
+            If an id does not exist."""
     @overload
     def get(self, ids: _IdList) -> Shapes: ...
     @overload
     def get(self, ids: _Undecided) -> Shape | Shapes | Any: ...
-    def set(
-        self,
-        ids: ArrayLike,
-        *,
-        positions: _Vectors | None = None,
-        radii: ArrayLike | None = None,
-        half_sizes: ArrayLike | None = None,
-        boxes: _Boxes | None = None,
-        segments: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-    ) -> None:
+    def set(self, ids: ArrayLike, *, positions: _Vectors | None = None, radii: ArrayLike | None = None,
+            half_sizes: ArrayLike | None = None, boxes: _Boxes | None = None, segments: ArrayLike | None = None,
+            categories: ArrayLike | None = None, masks: ArrayLike | None = None) -> None:
         """Change some shapes. What is omitted stays the same.
 
-        Shapes whose values are unchanged cost almost nothing. For shapes that slide, new positions or
-        boxes are a motion along a straight line, however long: see :meth:`move_and_slide`. To put an
-        obstacle elsewhere without a motion, remove it and add another one.
+        Shapes whose values are unchanged cost almost nothing. For shapes that slide, new positions or boxes are a
+        motion along a straight line, however long: see :meth:`move_and_slide`. To put an obstacle elsewhere without a
+        motion, remove it and add another one.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
             The shapes, each at most once.
         positions : array_like, shape (k, 2), or (2,) for one id, optional
-            Centres. A shape that was given as a box, and whose centre changes, is stored as
-            ``center ± half_size`` from then on, with half the size of its box, and its sides are
-            rounded. Give `boxes` to keep them exact.
+            Centres. A shape that was given as a box, and whose centre changes, is stored as ``center ± half_size`` from
+            then on, with half the size of its box, and its sides are rounded. Give `boxes` to keep them exact.
         radii : array_like, a number or shape (k,), optional
             Radii.
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
-            Half widths and half heights. A shape that was given as a box, and whose size changes, is
-            stored as ``center ± half_size`` from then on.
+            Half widths and half heights. A shape that was given as a box, and whose size changes, is stored as
+            ``center ± half_size`` from then on.
         boxes : array_like, shape (k, 4), or (4,) for one id, optional
-            In place of `positions` and `half_sizes`, sides min_x, min_y, max_x, max_y of each shape,
-            or pygame's Rects, as in :meth:`add`.
+            In place of `positions` and `half_sizes`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+            as in :meth:`add`.
         segments : array_like, shape (k, 2, 2), or (2, 2) for one id, optional
             In place of `positions` and `half_sizes`, start and end of each shape.
         categories : array_like of int, a number or shape (k,), optional
@@ -2143,33 +1135,13 @@ class Space(_ShapeQueries):
         Raises
         ------
         TypeError
-            If an argument does not hold numbers, or several of `positions`, `boxes` and
-            `segments` are given, or one of the last two beside `half_sizes`.
+            If an argument does not hold numbers, or several of `positions`, `boxes` and `segments` are given, or one of
+            the last two beside `half_sizes`.
         IdError
             If an id does not exist; then nothing changes.
         ValueError
-            If an id is given twice, a value is not finite or out of range, or a minimum is above its
-            maximum; then nothing changes.
-
-        See Also
-        --------
-        get : Read some shapes.
-        update : The pairs that enter and leave by it.
-        move_and_slide : Moves shapes among obstacles, which push them if they have moved.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
-        >>> space.set(ids, positions=[(1, 0), (6, 0)], radii=[1.0, 3.5])
-        >>> space.set(0, positions=(2, 0))
-        >>> space.update().entered
-        array([[0, 1]])
-        >>> space.set(0, masks=0)  # it can no longer pair
-        >>> len(space.pairs())
-        0
-        """
+            If an id is given twice, a value is not finite or out of range, or a minimum is above its maximum; then
+            nothing changes."""
     @overload
     def rows(self, ids: _Id) -> int:
         """Return the rows that shapes have in the columns.
@@ -2189,100 +1161,49 @@ class Space(_ShapeQueries):
         TypeError
             If `ids` does not hold integers.
         IdError
-            If an id does not exist.
-
-        See Also
-        --------
-        ids : The ids of all rows.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
-        >>> space.remove(0)
-        >>> space.rows(space.pairs(distance=9.0))
-        array([[0, 1]])
-        """
+            If an id does not exist."""
     @overload
     def rows(self, ids: _IdList | Sequence[_IdList]) -> _Ids: ...
     @overload
     def rows(self, ids: _Undecided) -> int | _Ids | Any: ...
     @property
     def positions(self) -> NDArray[np.floating[Any]]:
-        """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the space's dtype, shape
-        (n, 2), a read-only copy in the order of adding.
+        """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the space's dtype, shape (n, 2), a
+        read-only copy in the order of adding.
 
-        Assign to it to move all shapes, as :meth:`set` does. With a period they are in
-        ``[0, period)``. As of every column, the row of a shape is that of its id in `ids`; the first
-        reading after shapes were removed visits all of them.
-
-        See Also
-        --------
-        rows : The rows of ids.
-        get, set : Some shapes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 4)], radii=1.0)
-        >>> space.positions = space.positions + (1, 0)
-        >>> space.positions
-        array([[1., 0.],
-               [4., 4.]])
-        """
+        Assign to it to move all shapes, as :meth:`set` does. With a period they are in ``[0, period)``. As of every
+        column, the row of a shape is that of its id in `ids`; the first reading after shapes were removed visits all of
+        them."""
     @positions.setter
     def positions(self, value: _Vectors) -> None: ...
     @property
     def radii(self) -> NDArray[np.floating[Any]]:
-        """Radii: ndarray of the space's dtype, shape (n,), a read-only copy. Assign a number or an array to
-        it to change all.
-        """
+        """Radii: ndarray of the space's dtype, shape (n,), a read-only copy. Assign a number or an array to it to
+        change all."""
     @radii.setter
     def radii(self, value: ArrayLike) -> None: ...
     @property
     def half_sizes(self) -> NDArray[np.floating[Any]]:
-        """Half widths and half heights: ndarray of the space's dtype, shape (n, 2), a read-only copy; 0 for
-        circles, ``(max - min) / 2`` for shapes given as boxes. Assign to it to change all.
-        """
+        """Half widths and half heights: ndarray of the space's dtype, shape (n, 2), a read-only copy; 0 for circles,
+        ``(max - min) / 2`` for shapes given as boxes. Assign to it to change all."""
     @half_sizes.setter
     def half_sizes(self, value: ArrayLike) -> None: ...
     @property
     def boxes(self) -> NDArray[np.floating[Any]]:
-        """The sides of the shapes without their radii: ndarray of the space's dtype, shape (n, 4), a
-        read-only copy. Assign to it to give all shapes boxes.
+        """The sides of the shapes without their radii: ndarray of the space's dtype, shape (n, 4), a read-only copy.
+        Assign to it to give all shapes boxes.
 
-        They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``; for a circle
-        its centre as both corners.
-        """
+        They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``; for a circle its centre as
+        both corners."""
     @boxes.setter
     def boxes(self, value: _Boxes) -> None: ...
     @property
     def segments(self) -> NDArray[np.floating[Any]]:
-        """Start and end of the segments: ndarray of the space's dtype, shape (n, 2, 2), a read-only copy; NaN
-        for shapes that are none.
+        """Start and end of the segments: ndarray of the space's dtype, shape (n, 2, 2), a read-only copy; NaN for
+        shapes that are none.
 
-        Assign to it to give all shapes segments. NaN is for shapes that are none and stay as they are.
-        With a period the middle of a segment is in ``[0, period)``.
-
-        See Also
-        --------
-        jostle.polyline : Segments between consecutive points.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add(segments=jostle.polyline([(0, 0), (2, 0), (2, 4)]))
-        >>> space.segments[1]
-        array([[2., 0.],
-               [2., 4.]])
-        >>> space.set(ids[1], positions=(3, 2))
-        >>> space.get(ids[1]).segments
-        array([[3., 0.],
-               [3., 4.]])
-        """
+        Assign to it to give all shapes segments. NaN is for shapes that are none and stay as they are. With a period
+        the middle of a segment is in ``[0, period)``."""
     @segments.setter
     def segments(self, value: ArrayLike) -> None: ...
     def bounds(self) -> NDArray[np.floating[Any]]:
@@ -2291,40 +1212,23 @@ class Space(_ShapeQueries):
         Returns
         -------
         ndarray of the space's dtype, shape (n, 4)
-            In the order of adding.
-
-        See Also
-        --------
-        boxes : Without the radii.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 4)], radii=1.0)
-        >>> space.bounds()
-        array([[-1., -1.,  1.,  1.],
-               [ 2.,  3.,  4.,  5.]])
-        """
+            In the order of adding."""
     @property
     def categories(self) -> NDArray[np.uint32]:
-        """Categories, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an
-        array to it to change all.
-        """
+        """Categories, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an array to
+        it to change all."""
     @categories.setter
     def categories(self, value: ArrayLike) -> None: ...
     @property
     def masks(self) -> NDArray[np.uint32]:
-        """Masks, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an array
-        to it to change all.
-        """
+        """Masks, sets of 32 bits: ndarray of uint32, shape (n,), a read-only copy. Assign a number or an array to it to
+        change all."""
     @masks.setter
     def masks(self, value: ArrayLike) -> None: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove shapes. Their ids are never used again.
 
-        The next reading of a column, of `ids` or of rows visits all shapes once, however many were
-        removed.
+        The next reading of a column, of `ids` or of rows visits all shapes once, however many were removed.
 
         Parameters
         ----------
@@ -2338,37 +1242,21 @@ class Space(_ShapeQueries):
         IdError
             If an id does not exist; then none is removed.
         ValueError
-            If an id is given twice; then none is removed.
-
-        See Also
-        --------
-        add : Add shapes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (5, 0), (9, 0)])
-        >>> space.remove(ids[:2])
-        >>> space.ids
-        array([2])
-        """
+            If an id is given twice; then none is removed."""
     def update(self, *, swept: bool = False, max_pairs: SupportsIndex = 134217728) -> Events:
         """Find the pairs that entered and left since the last update.
 
-        The current state is compared with the state at the last update; the first update
-        compares with an empty space. A shape that was both added and removed in between has no
-        effect. The cost depends on the shapes that changed.
+        The current state is compared with the state at the last update; the first update compares with an empty space.
+        A shape that was both added and removed in between has no effect. The cost depends on the shapes that changed.
 
         Parameters
         ----------
         swept : bool, default False
-            Whether to find also the pairs that overlap neither at the last update nor now, and
-            overlapped on the way: a bullet that passes a small target between two updates. They are
-            in `entered` and in `exited`.
+            Whether to find also the pairs that overlap neither at the last update nor now, and overlapped on the way: a
+            bullet that passes a small target between two updates. They are in `entered` and in `exited`.
         max_pairs : int, default 134217728
-            Maximum number of overlapping pairs of shapes that changed. If `swept`, also the maximum
-            number of pairs for which the bounding boxes of the paths overlap.
+            Maximum number of overlapping pairs of shapes that changed. If `swept`, also the maximum number of pairs for
+            which the bounding boxes of the paths overlap.
 
         Returns
         -------
@@ -2376,77 +1264,42 @@ class Space(_ShapeQueries):
             Three arrays:
 
             entered, stayed, exited : ndarray of int64, shape (m, 2)
-                Pairs of ids, the smaller first, sorted. `exited` may contain the ids of removed
-                shapes. `stayed` is computed when it is first read.
+                Pairs of ids, the smaller first, sorted. `exited` may contain the ids of removed shapes. `stayed` is
+                computed when it is first read.
 
         Raises
         ------
         ValueError
             If there are more than `max_pairs`; then the call has no effect.
 
-        See Also
-        --------
-        pairs : All overlapping pairs, without events.
-        shape_cast : What one shape would meet along a line.
-
         Notes
         -----
-        If `swept`, the path of a shape is the straight line from its centre at the last update to its
-        present centre, whatever was set in between. All shapes travel along their paths at constant
-        velocities in the same time. So two bullets that cross each other's path meet only if they
-        are at the crossing at the same time. A shape that was added since the last update travels from
-        where it was added. Removed shapes do not take part. Sizes, categories and masks are the present
-        ones. With a period the path is the shortest of those to the images of the present centre, so
-        a shape should move by less than half a period between two updates. To put a shape elsewhere
-        without a path, remove it and add another one.
+        If `swept`, the path of a shape is the straight line from its centre at the last update to its present centre,
+        whatever was set in between. All shapes travel along their paths at constant velocities in the same time. So two
+        bullets that cross each other's path meet only if they are at the crossing at the same time. A shape that was
+        added since the last update travels from where it was added. Removed shapes do not take part. Sizes, categories
+        and masks are the present ones. With a period the path is the shortest of those to the images of the present
+        centre, so a shape should move by less than half a period between two updates. To put a shape elsewhere without
+        a path, remove it and add another one.
 
-        A pair that touches on the way without overlapping is not found, as at rest. A pair that
-        overlaps at the end has entered, and one that overlapped at the last update has exited, with
-        `swept` or without.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (1, 0), (8, 0)], radii=1.0)
-        >>> space.update().entered
-        array([[0, 1]])
-        >>> space.set(2, positions=(2, 0))
-        >>> events = space.update()
-        >>> events.entered, events.stayed
-        (array([[1, 2]]), array([[0, 1]]))
-
-        A bullet that passes a target:
-
-        >>> bullet, target = space.add([(0, 50), (30, 50)], radii=1.0)
-        >>> events = space.update()
-        >>> space.set(bullet, positions=(60, 50))
-        >>> events = space.update(swept=True)
-        >>> events.entered, events.exited
-        (array([[3, 4]]), array([[3, 4]]))
-        """
-    def pairs(
-        self,
-        *,
-        sort: bool = False,
-        max_pairs: SupportsIndex = 134217728,
-        mask: SupportsIndex | None = None,
-        distance: _Number = 0.0,
-    ) -> _Pairs:
+        A pair that touches on the way without overlapping is not found, as at rest. A pair that overlaps at the end has
+        entered, and one that overlapped at the last update has exited, with `swept` or without."""
+    def pairs(self, *, sort: bool = False, max_pairs: SupportsIndex = 134217728, mask: _Mask = None,
+            distance: _Number = 0.0) -> _Pairs:
         """Find every pair of overlapping shapes.
 
         Parameters
         ----------
         sort : bool, default False
-            Whether to sort the pairs by the first, then by the second id. If False, their order
-            depends on previous calls, but not on the number of threads.
+            Whether to sort the pairs by the first, then by the second id. If False, their order depends on previous
+            calls, but not on the number of threads.
         max_pairs : int, default 134217728
             Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
         distance : float, default 0.0
-            Find pairs whose gap is below this, in units of length: each radius is increased by half
-            of it. If 0, the shapes must overlap.
+            Find pairs whose gap is below this, in units of length: each radius is increased by half of it. If 0, the
+            shapes must overlap.
 
         Returns
         -------
@@ -2456,34 +1309,15 @@ class Space(_ShapeQueries):
         Raises
         ------
         ValueError
-            If more than `max_pairs` pairs overlap.
-
-        See Also
-        --------
-        update : The pairs that entered and left.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
-        >>> space.pairs()
-        array([[1, 2]])
-        """
-    def contacts(
-        self,
-        *,
-        sort: bool = False,
-        max_pairs: SupportsIndex = 134217728,
-        mask: SupportsIndex | None = None,
-    ) -> Contacts:
+            If more than `max_pairs` pairs overlap."""
+    def contacts(self, *, sort: bool = False, max_pairs: SupportsIndex = 134217728, mask: _Mask = None) -> Contacts:
         """Find every pair of overlapping shapes, and how each overlaps.
 
         Parameters
         ----------
         sort : bool, default False
-            Whether to sort the contacts by the first, then by the second id of the pair. If False,
-            they come in the order of :meth:`pairs`.
+            Whether to sort the contacts by the first, then by the second id of the pair. If False, they come in the
+            order of :meth:`pairs`.
         max_pairs : int, default 134217728
             Maximum number of pairs to return.
         mask : int, optional
@@ -2497,37 +1331,19 @@ class Space(_ShapeQueries):
             pairs : ndarray of int64, shape (m, 2)
                 Ids i and j of each pair, the smaller first, every pair once.
             normals : ndarray of the space's dtype, shape (m, 2)
-                Unit vectors from i to j. If the cores of the shapes overlap, the axis
-                of least penetration; +x for coincident centres.
+                Unit vectors from i to j. If the cores of the shapes overlap, the axis of least penetration; +x for
+                coincident centres.
             depths : ndarray of the space's dtype, shape (m,)
-                Penetration: the distance that j must move along the normal until the two only
-                touch.
+                Penetration: the distance that j must move along the normal until the two only touch.
             points : ndarray of the space's dtype, shape (m, 2, 2)
-                One or two points in the middle of the overlap; NaN for a second one that does not
-                exist.
+                One or two points in the middle of the overlap; NaN for a second one that does not exist.
             categories : ndarray of uint32, shape (m, 2)
                 The categories of i and j.
 
         Raises
         ------
         ValueError
-            If more than `max_pairs` pairs overlap.
-
-        See Also
-        --------
-        Quadtree.contacts : The same for a tree, or for two.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> space = jostle.Space()
-        >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
-        >>> contacts = space.contacts()
-        >>> contacts.pairs, contacts.normals, contacts.depths
-        (array([[0, 1]]), array([[0., 1.]]), array([0.5]))
-        >>> contacts.points[:, 0]
-        array([[0.  , 0.75]])
-        """
+            If more than `max_pairs` pairs overlap."""
     @property
     def ids(self) -> _Ids:
         """The ids of all shapes, in the order of adding: ndarray of int64, shape (n,), a read-only copy."""
@@ -2541,58 +1357,36 @@ class Space(_ShapeQueries):
     def __deepcopy__(self, memo: Any, /) -> Self: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
     def __contains__(self, id: object, /) -> bool: ...
-    def __len__(self) -> int: ...
 
 @final
 class Events:
     """Changes of the overlapping pairs of a space between two updates.
 
-    Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
-    Pairs that only met on the way, in an update with ``swept=True``, are in `entered` and in `exited`.
-    `stayed` takes time for every pair in the space, when it is first read. Copying and pickling read it
-    too, so after the next update they are errors unless it was read before.
-
-    See Also
-    --------
-    Space.update : Returns it.
-    WorldEvents : The same for particles.
-    Contacts.between : The same choice by categories, of contacts.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> space = jostle.Space()
-    >>> ids = space.add([(0, 0), (1, 0), (9, 0)], radii=1.0)
-    >>> events = space.update()
-    >>> events
-    <jostle.Events: 1 entered, 0 exited>
-    >>> events.entered
-    array([[0, 1]])
-    """
+    Each array contains pairs of ids, the smaller first, sorted by the first, then by the second. Pairs that only met on
+    the way, in an update with ``swept=True``, are in `entered` and in `exited`. `stayed` takes time for every pair in
+    the space, when it is first read. Copying and pickling read it too, so after the next update they are errors unless
+    it was read before."""
 
     @property
     def entered(self) -> _Pairs:
-        """Pairs that overlap now and did not at the previous update, of a swept update also those that
-        met on the way: ndarray of int64, shape (m, 2).
-        """
+        """Pairs that overlap now and did not at the previous update, of a swept update also those that met on the way:
+        ndarray of int64, shape (m, 2)."""
     @property
     def stayed(self) -> _Pairs:
         """Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
 
-        They are computed when they are first read, which must be before the next update of the
-        space; afterwards there is a RuntimeError.
-        """
+        They are computed when they are first read, which must be before the next update of the space; afterwards there
+        is a RuntimeError."""
     @property
     def exited(self) -> _Pairs:
-        """Pairs that overlapped at the previous update and do not now, also because a shape was
-        removed, of a swept update also those that met on the way: ndarray of int64, shape (m, 2).
-        """
+        """Pairs that overlapped at the previous update and do not now, also because a shape was removed, of a swept
+        update also those that met on the way: ndarray of int64, shape (m, 2)."""
     def between(self, a: SupportsIndex, b: SupportsIndex) -> Events:
         """Return the events between shapes of some categories and shapes of others.
 
-        A pair is kept if one of its shapes has a category in `a` and the other one has a category in
-        `b`. The shape in the first column then has one in `a`, and that in the second has one in
-        `b`, so the smaller id may be the second. A pair that fits in both orders is kept once, as it is.
+        A pair is kept if one of its shapes has a category in `a` and the other one has a category in `b`. The shape in
+        the first column then has one in `a`, and that in the second has one in `b`, so the smaller id may be the
+        second. A pair that fits in both orders is kept once, as it is.
 
         Parameters
         ----------
@@ -2611,43 +1405,22 @@ class Events:
         ValueError
             If `a` or `b` has more than 32 bits.
 
-        See Also
-        --------
-        Contacts.between : The same for contacts.
-
         Notes
         -----
-        The categories are those that the shapes had at the update, also of shapes that were removed
-        before or after it. Those of the pairs that stayed are read with `stayed`, and it can be read
-        as long as that of the events from which these come.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> ROCK, SHOT = 2, 4
-        >>> space = jostle.Space()
-        >>> rocks = space.add([(0, 0), (1, 0)], radii=1.0, categories=ROCK)
-        >>> shot = space.add((0, 1), radii=0.1, categories=SHOT)
-        >>> events = space.update()
-        >>> events.entered
-        array([[0, 1],
-               [0, 2]])
-        >>> events.between(SHOT, ROCK).entered
-        array([[2, 0]])
-        """
+        The categories are those that the shapes had at the update, also of shapes that were removed before or after it.
+        Those of the pairs that stayed are read with `stayed`, and it can be read as long as that of the events from
+        which these come."""
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 @final
 class World(_ShapeQueries):
     """Particles: discs that move, collide and bounce off walls.
 
-    Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the
-    order of adding. The columns are in the order of `ids`, and `rows` gives the rows of ids; as
-    long as no particle was removed and none merged, the id of a particle is its row. All columns
-    are float32; other numbers are converted. The residuals of positions, which rounding to float32
-    removes, are kept from step to step; assigned positions are exact. The same
-    input gives the same bits on every machine, for every number of threads and for both
-    methods.
+    Each particle has an id, which never changes and is never used again: 0, 1, 2, ... in the order of adding. The
+    columns are in the order of `ids`, and `rows` gives the rows of ids; as long as no particle was removed and none
+    merged, the id of a particle is its row. All columns are float32; other numbers are converted. The residuals of
+    positions, which rounding to float32 removes, are kept from step to step; assigned positions are exact. The same
+    input gives the same bits on every machine, for every number of threads and for both methods.
 
     Parameters
     ----------
@@ -2658,78 +1431,69 @@ class World(_ShapeQueries):
     velocities : array_like, shape (2,) or (n, 2), default (0.0, 0.0)
         In units of length per second.
     masses : array_like, a number or shape (n,), optional
-        In units of mass, above 0. If omitted, the squares of the radii, without π, as in the
-        article; required for a particle of radius 0.
+        In units of mass, above 0. If omitted, the squares of the radii, without π, as in the article; required for a
+        particle of radius 0.
     angles : array_like, a number or shape (n,), default 0.0
         In radians, positive from +x to +y.
     angular_velocities : array_like, a number or shape (n,), default 0.0
-        In radians per second. The moment of inertia of a disc is m r²/2. Particles of
-        radius 0 do not rotate: their angular velocity becomes 0. `drag` does not change angular
-        velocities.
+        In radians per second. The moment of inertia of a disc is m r²/2. Particles of radius 0 do not rotate: their
+        angular velocity becomes 0. `drag` does not change angular velocities.
     friction : array_like, a number or shape (n,), default 0.0
-        Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square
-        root of the product of both. Without friction particles do not begin to rotate.
+        Coefficient of friction of each particle (Coulomb), at least 0. A contact has the square root of the product of
+        both. Without friction particles do not begin to rotate.
     restitution : array_like, a number or shape (n,), default 1.0
-        Coefficient of restitution of each particle: 0 inelastic, 1 elastic. A contact has the square
-        root of the product of both.
+        Coefficient of restitution of each particle: 0 inelastic, 1 elastic. A contact has the square root of the
+        product of both.
     movable : array_like of bool, one or shape (n,), default True
-        Whether contacts and forces can change the velocity of the particle. An immovable particle
-        keeps the velocity and the angular velocity that it is given:
-        if both are 0 it is static, else kinematic. It pushes others and is not pushed, and walls
-        and the container do not stop it.
+        Whether contacts and forces can change the velocity of the particle. An immovable particle keeps the velocity
+        and the angular velocity that it is given: if both are 0 it is static, else kinematic. It pushes others and is
+        not pushed, and walls and the container do not stop it.
     sensors : array_like of bool, one or shape (n,), default False
-        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and
-        `events` and `contacts` report what touches it. See `World.sensors`.
+        Whether the particle is a sensor: it neither pushes others nor is pushed by them, and `events` and `contacts`
+        report what touches it. See `World.sensors`.
     kinds : array_like of int, a number or shape (n,), default 0
         Kinds of the particles in each `PairForce`, from 0 to 63.
     categories, masks : array_like of int, a number or shape (n,), default 1 and all bits
         Bit sets of 32 bits: two particles may touch only if ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]``; others pass through each other at no cost. Walls have categories
-        and masks, too. The container and forces do not depend on them.
+        ``categories[j] & masks[i]``; others pass through each other at no cost. Walls have categories and masks, too.
+        The container and forces do not depend on them.
     gravity : array_like, shape (2,), default (0.0, 0.0)
         Acceleration, in units of length per second squared.
     drag : float, default 0.0
         Linear damping, per second: dv/dt = -drag v.
     container : Box, Circle or None, optional
-        The region of the particles, with the coefficients of its sides. The first step moves
-        particles that are outside into it.
+        The region of the particles, with the coefficients of its sides. The first step moves particles that are outside
+        into it.
     period : float or array_like, shape (2,), optional
-        Width and height of a periodic plane, in place of a container: a particle that leaves on one
-        side enters on the other. Positions are from 0 to the period.
+        Width and height of a periodic plane, in place of a container: a particle that leaves on one side enters on the
+        other. Positions are from 0 to the period.
     walls : array_like, shape (m, 2, 2), or dict, optional
-        Line segments, solid from both sides, from one end to the other; `polyline` makes
-        them from points. A particle stays on the side on which its centre is. One that overlaps
-        a wall is pushed out in several steps. On a periodic plane walls act across its sides,
-        and a wall may extend over each side once at most. Or a dict of the arguments of
-        `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `sensors`,
-        `one_way`, `categories` and `masks`. The walls have the ids 0, 1, 2, ...
+        Line segments, solid from both sides, from one end to the other; `polyline` makes them from points. A particle
+        stays on the side on which its centre is. One that overlaps a wall is pushed out in several steps. On a periodic
+        plane walls act across its sides, and a wall may extend over each side once at most. Or a dict of the arguments
+        of `World.walls.add`: `segments`, `velocities`, `friction`, `restitution`, `sensors`, `one_way`, `categories`
+        and `masks`. The walls have the ids 0, 1, 2, ...
     forces : sequence of forces, default ()
-        `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
-        `ThermalWalls`, `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and
-        contacts.
+        `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`,
+        `AndersenThermostat`, `Motor`, `Grab` and `Pump`, in addition to gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
-        What happens to particles that touch. "merge" merges them at the end of the
-        step, at their centre of mass: area, mass and momentum are summed, restitution and
-        friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
-        merged particle has all bits of their categories and masks. If one has friction or rotates,
-        angular momentum is conserved. If some of the particles are immovable, so is the merged
-        one, which has the position and the velocity of the heaviest of these; momentum is lost.
-        Particles do not merge if the result would not fit into the container. "ignore" lets them
-        pass through each other.
+        What happens to particles that touch. "merge" merges them at the end of the step, at their centre of mass: area,
+        mass and momentum are summed, restitution and friction are the means weighted by mass, and the id is the
+        smallest, see `renumbered`. The merged particle has all bits of their categories and masks. If one has friction
+        or rotates, angular momentum is conserved. If some of the particles are immovable, so is the merged one, which
+        has the position and the velocity of the heaviest of these; momentum is lost. Particles do not merge if the
+        result would not fit into the container. "ignore" lets them pass through each other.
     sleeping : bool, default True
-        Whether islands of touching particles that rest fall asleep under gravity, if the
-        coefficients of restitution at walls are below 1; see `asleep`. It stops motion with a mean
-        speed below 0.01 √(g r), where r is the radius.
+        Whether islands of touching particles that rest fall asleep under gravity, if the coefficients of restitution at
+        walls are below 1; see `asleep`. It stops motion with a mean speed below 0.01 √(g r), where r is the radius.
     substeps : int, optional
-        Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-        default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
-        accelerations, or with gravity or forces and friction or a restitution below 1; otherwise 1. If
-        contacts may rest and a particle presses on a touching one with 1/10,000 to 1/128 of its mass,
-        there are 2 to 8 times as many. A step whose
-        particles travel far is divided into parts, which share the sub-steps; each part has at least one.
+        Sub-steps of a step, in which forces act and resting contacts are solved. None, the default, takes as many as
+        the scene needs: 4 with attractors, gravitation, springs or given accelerations, or with gravity or forces and
+        friction or a restitution below 1; otherwise 1. If contacts may rest and a particle presses on a touching one
+        with 1/10,000 to 1/128 of its mass, there are 2 to 8 times as many. A step whose particles travel far is divided
+        into parts, which share the sub-steps; each part has at least one.
     track_events : bool, default False
-        Whether `events` and `wall_events` report what began and ceased to touch in each call of
-        `step`.
+        Whether `events` and `wall_events` report what began and ceased to touch in each call of `step`.
     method : {"quadtree", "brute"}, default "quadtree"
         How pairs are found; the pairs are the same.
     threads : int, optional
@@ -2744,87 +1508,32 @@ class World(_ShapeQueries):
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a shape is wrong, a value is out of range, a particle does not fit into the container, or
-        there are a container and a period; the message says which.
-
-    See Also
-    --------
-    jostle.scenes.create : The world of a named scene.
-    WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
+        If a shape is wrong, a value is out of range, a particle does not fit into the container, or there are a
+        container and a period; the message says which.
 
     Notes
     -----
-    Between collisions dv/dt = gravity - drag v + a, where a is the acceleration by `forces` and by
-    `accelerations`. Surfaces that touch and approach at the normal speed u separate at e u, where e
-    is the coefficient of restitution. An impulse P along the normal allows a friction impulse of at
-    most μ P, where μ is the coefficient of friction.
+    Between collisions dv/dt = gravity - drag v + a, where a is the acceleration by `forces` and by `accelerations`.
+    Surfaces that touch and approach at the normal speed u separate at e u, where e is the coefficient of restitution.
+    An impulse P along the normal allows a friction impulse of at most μ P, where μ is the coefficient of friction."""
 
-    References
-    ----------
-    O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
-    in: Particulate Two-Phase Flow (1993), for friction in bounces.
-    E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
-    resting contacts.
-    B. D. Lubachevsky, *How to Simulate Billiards and Similar Systems*, Journal of Computational
-    Physics 94 (1991), for collisions in the order of time.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> world = jostle.World([(0, 0), (3, 0)], 1.0, velocities=[(1, 0), (0, 0)])
-    >>> world.step(0.1, steps=20)  # the left disc hits the right one after a second
-    >>> world.velocities
-    array([[0., 0.],
-           [1., 0.]], dtype=float32)
-
-    A disc that slides on a floor with friction begins to roll, at two thirds of its speed:
-
-    >>> world = jostle.World(
-    ...     [(0, 9)], 1.0, velocities=[(3, 0)], gravity=(0, 9.8), restitution=0.5, friction=0.4,
-    ...     container=jostle.Box(-99, -50, 99, 10),
-    ... )
-    >>> world.step(1 / 60, steps=120)
-    >>> world.velocities.round(3), world.angular_velocities.round(3)
-    (array([[2., 0.]], dtype=float32), array([2.], dtype=float32))
-    """
-
-    def __new__(
-        cls,
-        positions: _Vectors | None = None,
-        radii: ArrayLike | None = None,
-        *,
-        velocities: _Vectors = (0.0, 0.0),
-        masses: ArrayLike | None = None,
-        angles: ArrayLike = 0.0,
-        angular_velocities: ArrayLike = 0.0,
-        friction: ArrayLike = 0.0,
-        restitution: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike = 0,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 4294967295,
-        gravity: _Vectors = (0.0, 0.0),
-        drag: _Number = 0.0,
-        container: _Container | None = None,
-        period: ArrayLike | None = None,
-        walls: ArrayLike | dict[str, Any] | None = None,
-        forces: Iterable[_Force] = (),
-        on_touch: Literal["bounce", "merge", "ignore"] = "bounce",
-        sleeping: bool = True,
-        substeps: SupportsIndex | None = None,
-        track_events: bool = False,
-        method: Literal["quadtree", "brute"] = "quadtree",
-        threads: SupportsIndex | None = None,
-        leaf_capacity: SupportsIndex = 96,
-        max_depth: SupportsIndex = 4096,
-    ) -> Self: ...
+    def __new__(cls, positions: _Vectors | None = None, radii: ArrayLike | None = None, *,
+            velocities: _Vectors = (0.0, 0.0), masses: ArrayLike | None = None, angles: ArrayLike = 0.0,
+            angular_velocities: ArrayLike = 0.0, friction: ArrayLike = 0.0, restitution: ArrayLike = 1.0,
+            movable: ArrayLike = True, sensors: ArrayLike = False, kinds: ArrayLike = 0, categories: ArrayLike = 1,
+            masks: ArrayLike = 4294967295, gravity: _Vectors = (0.0, 0.0), drag: _Number = 0.0,
+            container: _Container | None = None, period: ArrayLike | None = None,
+            walls: ArrayLike | dict[str, Any] | None = None, forces: Iterable[_Force] = (),
+            on_touch: Literal["bounce", "merge", "ignore"] = "bounce", sleeping: bool = True,
+            substeps: SupportsIndex | None = None, track_events: bool = False,
+            method: Literal["quadtree", "brute"] = "quadtree", threads: SupportsIndex | None = None,
+            leaf_capacity: SupportsIndex = 96, max_depth: SupportsIndex = 4096) -> Self: ...
     def step(self, dt: _Number, steps: SupportsIndex = 1) -> None:
         """Advance the simulation.
 
-        Other threads may read the world during the call; they see its state between two steps.
-        If a step is refused, or interrupted with Ctrl-C, the world keeps the state before
-        that step. In a call with `steps` above 1, the previous steps remain done.
+        Other threads may read the world during the call; they see its state between two steps. If a step is refused, or
+        interrupted with Ctrl-C, the world keeps the state before that step. In a call with `steps` above 1, the
+        previous steps remain done.
 
         Parameters
         ----------
@@ -2836,44 +1545,16 @@ class World(_ShapeQueries):
         Raises
         ------
         ValueError
-            If `dt` is not finite and above 0, if too many particles are in one place, if a particle
-            would move too far, or if one of its numbers would become infinite or NaN. In the last
-            two cases the message names the particle.
+            If `dt` is not finite and above 0, if too many particles are in one place, if a particle would move too far,
+            or if one of its numbers would become infinite or NaN. In the last two cases the message names the particle.
         KeyboardInterrupt
-            After Ctrl-C, within a fraction of a second also during a long step.
-
-        See Also
-        --------
-        events : The pairs that began and ceased to touch.
-        last_step, last_call : What touched in the last step, and sums over the call.
-        profile : The time of each stage.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(8, 0)])
-        >>> world.step(0.25, steps=2)
-        >>> world.positions
-        array([[4., 0.]], dtype=float32)
-        """
+            After Ctrl-C, within a fraction of a second also during a long step."""
     @overload
-    def add(
-        self,
-        positions: _Point,
-        radii: ArrayLike,
-        *,
-        velocities: _Vectors = (0.0, 0.0),
-        masses: ArrayLike | None = None,
-        angles: ArrayLike = 0.0,
-        angular_velocities: ArrayLike = 0.0,
-        friction: ArrayLike = 0.0,
-        restitution: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike = 0,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 4294967295,
-    ) -> int:
+    def add(self, positions: _Point, radii: ArrayLike, *, velocities: _Vectors = (0.0, 0.0),
+            masses: ArrayLike | None = None, angles: ArrayLike = 0.0, angular_velocities: ArrayLike = 0.0,
+            friction: ArrayLike = 0.0, restitution: ArrayLike = 1.0, movable: ArrayLike = True,
+            sensors: ArrayLike = False, kinds: ArrayLike = 0, categories: ArrayLike = 1,
+            masks: ArrayLike = 4294967295) -> int:
         """Add one particle or many, after the others.
 
         Parameters
@@ -2904,89 +1585,35 @@ class World(_ShapeQueries):
         Returns
         -------
         ndarray of int64, shape (k,), or int
-            Their ids, above all ids before; one id for one position. Their rows are the last ones
-            of every column.
+            Their ids, above all ids before; one id for one position. Their rows are the last ones of every column.
 
         Raises
         ------
         TypeError, ValueError
-            As for a new world; then nothing is added.
-
-        See Also
-        --------
-        set : Change particles.
-        remove : Remove particles.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0)], 1.0)
-        >>> world.add([(5, 0), (9, 0)], 0.5)
-        array([1, 2])
-        >>> world.add((0, 5), 2.0, velocities=(1, 0))
-        3
-        >>> world.radii
-        array([1. , 0.5, 0.5, 2. ], dtype=float32)
-        """
+            As for a new world; then nothing is added."""
     @overload
-    def add(
-        self,
-        positions: _Points,
-        radii: ArrayLike,
-        *,
-        velocities: _Vectors = (0.0, 0.0),
-        masses: ArrayLike | None = None,
-        angles: ArrayLike = 0.0,
-        angular_velocities: ArrayLike = 0.0,
-        friction: ArrayLike = 0.0,
-        restitution: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike = 0,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 4294967295,
-    ) -> _Ids: ...
+    def add(self, positions: _Points, radii: ArrayLike, *, velocities: _Vectors = (0.0, 0.0),
+            masses: ArrayLike | None = None, angles: ArrayLike = 0.0, angular_velocities: ArrayLike = 0.0,
+            friction: ArrayLike = 0.0, restitution: ArrayLike = 1.0, movable: ArrayLike = True,
+            sensors: ArrayLike = False, kinds: ArrayLike = 0, categories: ArrayLike = 1,
+            masks: ArrayLike = 4294967295) -> _Ids: ...
     @overload
-    def add(
-        self,
-        positions: Sequence[_Real],
-        radii: ArrayLike,
-        *,
-        velocities: _Vectors = (0.0, 0.0),
-        masses: ArrayLike | None = None,
-        angles: ArrayLike = 0.0,
-        angular_velocities: ArrayLike = 0.0,
-        friction: ArrayLike = 0.0,
-        restitution: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike = 0,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 4294967295,
-    ) -> int: ...
+    def add(self, positions: Sequence[_Real], radii: ArrayLike, *, velocities: _Vectors = (0.0, 0.0),
+            masses: ArrayLike | None = None, angles: ArrayLike = 0.0, angular_velocities: ArrayLike = 0.0,
+            friction: ArrayLike = 0.0, restitution: ArrayLike = 1.0, movable: ArrayLike = True,
+            sensors: ArrayLike = False, kinds: ArrayLike = 0, categories: ArrayLike = 1,
+            masks: ArrayLike = 4294967295) -> int: ...
     @overload
-    def add(
-        self,
-        positions: _Undecided,
-        radii: ArrayLike,
-        *,
-        velocities: _Vectors = (0.0, 0.0),
-        masses: ArrayLike | None = None,
-        angles: ArrayLike = 0.0,
-        angular_velocities: ArrayLike = 0.0,
-        friction: ArrayLike = 0.0,
-        restitution: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike = 0,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 4294967295,
-    ) -> int | _Ids | Any: ...
+    def add(self, positions: _Undecided, radii: ArrayLike, *, velocities: _Vectors = (0.0, 0.0),
+            masses: ArrayLike | None = None, angles: ArrayLike = 0.0, angular_velocities: ArrayLike = 0.0,
+            friction: ArrayLike = 0.0, restitution: ArrayLike = 1.0, movable: ArrayLike = True,
+            sensors: ArrayLike = False, kinds: ArrayLike = 0, categories: ArrayLike = 1,
+            masks: ArrayLike = 4294967295) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
 
-        The ids of other particles stay the same; in the columns, the rows after a removed one move
-        up. Springs and attractors of a removed particle are removed too.
+        The ids of other particles stay the same; in the columns, the rows after a removed one move up. Springs and
+        attractors of a removed particle are removed too.
 
         Parameters
         ----------
@@ -2998,42 +1625,12 @@ class World(_ShapeQueries):
         IdError
             If an id does not exist; then none is removed.
         ValueError
-            If an id is given twice; then none is removed.
-
-        See Also
-        --------
-        add : Add particles.
-        rows : The rows that the others have then.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
-        >>> world.remove(1)
-        >>> world.positions
-        array([[0., 0.],
-               [9., 0.]], dtype=float32)
-        >>> world.ids
-        array([0, 2])
-        """
-    def set(
-        self,
-        ids: ArrayLike,
-        *,
-        positions: _Vectors | None = None,
-        velocities: _Vectors | None = None,
-        radii: ArrayLike | None = None,
-        masses: ArrayLike | None = None,
-        restitution: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        angles: ArrayLike | None = None,
-        angular_velocities: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
-        kinds: ArrayLike | None = None,
-    ) -> None:
+            If an id is given twice; then none is removed."""
+    def set(self, ids: ArrayLike, *, positions: _Vectors | None = None, velocities: _Vectors | None = None,
+            radii: ArrayLike | None = None, masses: ArrayLike | None = None, restitution: ArrayLike | None = None,
+            movable: ArrayLike | None = None, friction: ArrayLike | None = None, angles: ArrayLike | None = None,
+            angular_velocities: ArrayLike | None = None, categories: ArrayLike | None = None,
+            masks: ArrayLike | None = None, sensors: ArrayLike | None = None, kinds: ArrayLike | None = None) -> None:
         """Change some columns of some particles.
 
         Columns that are omitted stay the same. The arguments are those of :meth:`add`.
@@ -3062,30 +1659,13 @@ class World(_ShapeQueries):
         IdError
             If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            As for a new world, or if an id is given twice; then nothing is changed.
-
-        See Also
-        --------
-        add : Add particles.
-        rows : The rows of ids in the columns.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], 1.0)
-        >>> world.set([1], velocities=[(2, 0)], masses=3.0)
-        >>> world.momentum()
-        array([6., 0.])
-        >>> world.set(0, positions=(2, 1))
-        """
-    def apply_impulse(
-        self, ids: ArrayLike, impulses: _Vectors, points: _Vectors | None = None
-    ) -> None:
+            As for a new world, or if an id is given twice; then nothing is changed."""
+    def apply_impulse(self, ids: ArrayLike, impulses: _Vectors, points: _Vectors | None = None) -> None:
         """Give impulses to some particles, at once.
 
-        An impulse P changes the velocity by P/m, and, if it acts at a point, the angular velocity by
-        r × P/I, where r is the offset of the point from the centre and I = m r²/2 the moment of
-        inertia. Impulses on the same particle add up, and their sum is rounded once.
+        An impulse P changes the velocity by P/m, and, if it acts at a point, the angular velocity by r × P/I, where r
+        is the offset of the point from the centre and I = m r²/2 the moment of inertia. Impulses on the same particle
+        add up, and their sum is rounded once.
 
         Parameters
         ----------
@@ -3094,102 +1674,47 @@ class World(_ShapeQueries):
         impulses : array_like, shape (k, 2), or (2,) for one id or as one for all
             In units of mass times length per second. An impulse wakes the particle.
         points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
-            Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
-            image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
+            Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest image. It need
+            not be inside the disc. Particles of radius 0 do not begin to rotate.
 
         Raises
         ------
         IdError
             If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            If a shape is wrong, or a number is not finite or too large; then nothing is changed.
-
-        See Also
-        --------
-        apply_force : Forces during the next call of `step`.
-        momentum : Their sum is added to it.
-
-        Examples
-        --------
-        A disc is hit at its right end, from below:
-
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
-        >>> world.apply_impulse(1, (0, 6), points=(6, 0))
-        >>> world.velocities.tolist(), world.angular_velocities.tolist()
-        ([[0.0, 0.0], [0.0, 3.0]], [0.0, 6.0])
-        """
+            If a shape is wrong, or a number is not finite or too large; then nothing is changed."""
     def apply_force(self, ids: ArrayLike, forces: _Vectors, points: _Vectors | None = None) -> None:
         """Add given forces on some particles, for the next call of `step`.
 
-        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on
-        the same particle add up. They are kept by snapshots and files. A force F at a point also has
-        the torque r × F, where r is the offset of the point from the centre now, so the angular
-        acceleration is r × F/I with the moment of inertia I = m r²/2. Force and torque stay the same
-        while the particle moves and turns. If particles merge, their forces and torques add up.
+        They act during all steps of that call, beside gravity and `forces`, and end with it. Forces on the same
+        particle add up. They are kept by snapshots and files. A force F at a point also has the torque r × F, where r
+        is the offset of the point from the centre now, so the angular acceleration is r × F/I with the moment of
+        inertia I = m r²/2. Force and torque stay the same while the particle moves and turns. If particles merge, their
+        forces and torques add up.
 
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            The particles; one may be given more than once. Immovable ones, also those that move with a
-            velocity of their own, are neither accelerated nor turned.
+            The particles; one may be given more than once. Immovable ones, also those that move with a velocity of
+            their own, are neither accelerated nor turned.
         forces : array_like, shape (k, 2), or (2,) for one id or as one for all
             In units of mass times length per second². A force wakes the particle.
         points : array_like, shape (k, 2), or (2,) for one id or as one for all, optional
-            Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest
-            image. It need not be inside the disc. Particles of radius 0 do not begin to rotate.
+            Where each acts, in units of length, the centres if omitted; on a periodic plane the nearest image. It need
+            not be inside the disc. Particles of radius 0 do not begin to rotate.
 
         Raises
         ------
         IdError
             If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            If a shape is wrong, or a number is not finite or too large; then nothing is changed.
-
-        See Also
-        --------
-        apply_impulse : Impulses, which act at once.
-        net_forces : The sum of all forces, these included.
-        accelerations : Those of all particles.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], 1.0, masses=2.0)
-        >>> world.apply_force(1, (0, 6))
-        >>> world.step(0.5, steps=2)
-        >>> world.velocities.tolist()
-        [[0.0, 0.0], [0.0, 3.0]]
-
-        Two opposite forces at the ends of a diameter only turn the disc:
-
-        >>> world.apply_force([0, 0], [(0, 1), (0, -1)], points=[(1, 0), (-1, 0)])
-        >>> world.step(0.5, steps=2)
-        >>> world.velocities[0].tolist(), world.angular_velocities[0].item()
-        ([0.0, 0.0], 2.0)
-        """
+            If a shape is wrong, or a number is not finite or too large; then nothing is changed."""
     @property
     def ids(self) -> _Ids:
         """The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
 
-        The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
-        used again. ``id in world`` is True if a particle has the id.
-
-        See Also
-        --------
-        rows : The rows of ids.
-        renumbered : The new ids after particles merged.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
-        >>> world.remove(0)
-        >>> world.add([(2, 2)], 1.0)
-        array([3])
-        >>> world.ids
-        array([1, 2, 3])
-        """
+        The particle in row i of every column has the id ``ids[i]``. Ids never change and are never used again.
+        ``id in world`` is True if a particle has the id."""
     @overload
     def rows(self, ids: _Id) -> int:
         """Return the rows that particles have in the columns.
@@ -3209,20 +1734,7 @@ class World(_ShapeQueries):
         TypeError
             If `ids` does not hold integers.
         ValueError
-            If no particle has an id.
-
-        See Also
-        --------
-        ids : The ids of all rows.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], 1.0)
-        >>> world.remove(0)
-        >>> world.positions[world.rows(2)]
-        array([9., 0.], dtype=float32)
-        """
+            If no particle has an id."""
     @overload
     def rows(self, ids: _IdList) -> _Ids: ...
     @overload
@@ -3239,39 +1751,17 @@ class World(_ShapeQueries):
         Returns
         -------
         Particles or Particle
-            Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
-            `add` and `set`, with a row for each id; single values for one id, those of float32 as the
-            float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
-            0.10000000149011612. The cost depends on the
-            number of ids alone, except that the first call after a step reads all row numbers.
+            Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of `add` and `set`,
+            with a row for each id; single values for one id, those of float32 as the float with their shortest decimal:
+            0.1, where ``float(world.radii[0])`` is 0.10000000149011612. The cost depends on the number of ids alone,
+            except that the first call after a step reads all row numbers.
 
         Raises
         ------
         TypeError
             If `ids` does not hold integers.
         IdError
-            If no particle has an id.
-
-        See Also
-        --------
-        set : Writes columns of some particles.
-        positions : The positions of all particles.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0)], [1.0, 0.5], velocities=[(0, 0), (2, 1)])
-        >>> world.get(1).velocities, world.get(1).masses
-        (array([2., 1.], dtype=float32), 0.25)
-        >>> world.get([1, 0]).radii
-        array([0.5, 1. ], dtype=float32)
-
-        A copy of particle 1, in another place:
-
-        >>> copy = world.get(1).to_dict() | {"positions": (9, 0)}
-        >>> world.add(**copy)
-        2
-        """
+            If no particle has an id."""
     @overload
     def get(self, ids: _IdList) -> Particles: ...
     @overload
@@ -3280,93 +1770,65 @@ class World(_ShapeQueries):
     def positions(self) -> NDArray[np.float32]:
         """Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
 
-        Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
-        ``world.positions += 1``, raises ValueError. Assign a whole column instead,
-        ``world.positions = world.positions + 1``, or change some particles with
-        ``world.set([0], positions=[(1, 2)])``. The same holds for every column. Assigning what was
-        read changes nothing and wakes nothing: a position that is the present one in float32 keeps
-        what rounding removed.
-        """
+        Writing into the copy, as in ``world.positions[0] = (1, 2)`` or ``world.positions += 1``, raises ValueError.
+        Assign a whole column instead, ``world.positions = world.positions + 1``, or change some particles with
+        ``world.set([0], positions=[(1, 2)])``. The same holds for every column. Assigning what was read changes nothing
+        and wakes nothing: a position that is the present one in float32 keeps what rounding removed."""
     @positions.setter
     def positions(self, value: _Vectors) -> None: ...
     @property
     def velocities(self) -> NDArray[np.float32]:
-        """Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
-        second.
+        """Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per second.
 
-        To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
-        or change some particles with ``world.set([0], velocities=[(7, 7)])``.
-        """
+        To change them, assign a whole column, ``world.velocities = world.velocities * 2``, or change some particles
+        with ``world.set([0], velocities=[(7, 7)])``."""
     @velocities.setter
     def velocities(self, value: _Vectors) -> None: ...
     @property
     def accelerations(self) -> NDArray[np.float32]:
-        """Given accelerations in the next call of `step`: ndarray of float32, shape
-        (n, 2), a read-only copy in units of length per second².
+        """Given accelerations in the next call of `step`: ndarray of float32, shape (n, 2), a read-only copy in units
+        of length per second².
 
-        Assign an array of this shape, or one vector for all, before each call, or None for none. It
-        replaces what `apply_force` has given before, torques included; `apply_force` adds to it. They
-        act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
-        particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in the
-        call.
+        Assign an array of this shape, or one vector for all, before each call, or None for none. It replaces what
+        `apply_force` has given before, torques included; `apply_force` adds to it. They act during all steps of the
+        call, beside gravity and `forces`, and are 0 after it. Immovable particles are not accelerated. The others wake
+        if theirs is not 0, and do not fall asleep in the call.
 
         Raises
         ------
         ValueError
-            If the shape is wrong, or a number is not finite or too large.
-
-        See Also
-        --------
-        apply_force : Forces on some particles.
-
-        Examples
-        --------
-        A force towards the x axis:
-
-        >>> import jostle
-        >>> world = jostle.World([(0, 1)], 0.1)
-        >>> for _ in range(157):  # half a period: π / 0.02 steps
-        ...     world.accelerations = -world.positions * (0, 1)
-        ...     world.step(0.02)
-        >>> world.positions.round(1).tolist()
-        [[0.0, -1.0]]
-        """
+            If the shape is wrong, or a number is not finite or too large."""
     @accelerations.setter
     def accelerations(self, value: _Vectors | None) -> None: ...
     @property
     def radii(self) -> NDArray[np.float32]:
         """Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
 
-        To change all, assign an array or one number; to change some, use `set`. Masses stay
-        the same.
-        """
+        To change all, assign an array or one number; to change some, use `set`. Masses stay the same."""
     @radii.setter
     def radii(self, value: ArrayLike) -> None: ...
     @property
     def masses(self) -> NDArray[np.float32]:
         """Masses: ndarray of float32, shape (n,), a read-only copy in units of mass.
 
-        To change all, assign an array or one number; to change some, use `set`.
-        """
+        To change all, assign an array or one number; to change some, use `set`."""
     @masses.setter
     def masses(self, value: ArrayLike) -> None: ...
     @property
     def restitution(self) -> NDArray[np.float32]:
         """Coefficients of restitution, 0 to 1: ndarray of float32, shape (n,), a read-only copy.
 
-        A contact has the square root of the product of both. To change all, assign an array or one number; to change some, use `set`.
-        """
+        A contact has the square root of the product of both. To change all, assign an array or one number; to change
+        some, use `set`."""
     @restitution.setter
     def restitution(self, value: ArrayLike) -> None: ...
     @property
     def movable(self) -> NDArray[np.bool_]:
         """Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
 
-        The others keep their velocities: a disc that is made immovable while it moves becomes
-        kinematic.
+        The others keep their velocities: a disc that is made immovable while it moves becomes kinematic.
 
-        To change all, assign an array or one bool; to change some, use `set`.
-        """
+        To change all, assign an array or one bool; to change some, use `set`."""
     @movable.setter
     def movable(self, value: ArrayLike) -> None: ...
     @property
@@ -3378,143 +1840,75 @@ class World(_ShapeQueries):
         Raises
         ------
         ValueError
-            If an assigned coefficient is not finite or below 0, or the shape is wrong.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (3, 0)], 1.0)
-        >>> world.friction = 0.5
-        >>> world.set(1, friction=0.8)
-        >>> world.friction
-        array([0.5, 0.8], dtype=float32)
-        """
+            If an assigned coefficient is not finite or below 0, or the shape is wrong."""
     @friction.setter
     def friction(self, value: ArrayLike) -> None: ...
     @property
     def angles(self) -> NDArray[np.float32]:
         """Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
 
-        Positive angles are from +x to +y. To change all, assign an array or one number; to
-        change some, use `set`. Numbers outside the range are wrapped into it.
+        Positive angles are from +x to +y. To change all, assign an array or one number; to change some, use `set`.
+        Numbers outside the range are wrapped into it.
 
         Raises
         ------
         ValueError
-            If an assigned angle is not finite, or the shape is wrong.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0)], 1.0, angular_velocities=0.5)
-        >>> world.step(0.25, steps=8)
-        >>> world.angles
-        array([1.], dtype=float32)
-        """
+            If an assigned angle is not finite, or the shape is wrong."""
     @angles.setter
     def angles(self, value: ArrayLike) -> None: ...
     @property
     def angular_velocities(self) -> NDArray[np.float32]:
         """Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
 
-        Those of particles of radius 0 are 0. To change all, assign an
-        array or one number; to change some, use `set`.
+        Those of particles of radius 0 are 0. To change all, assign an array or one number; to change some, use `set`.
 
         Raises
         ------
         ValueError
-            If an assigned angular velocity is not finite or above 1e18, or the shape is wrong.
-
-        See Also
-        --------
-        angles : The angles that follow from them.
-        """
+            If an assigned angular velocity is not finite or above 1e18, or the shape is wrong."""
     @angular_velocities.setter
     def angular_velocities(self, value: ArrayLike) -> None: ...
     @property
     def categories(self) -> NDArray[np.uint32]:
         """Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
 
-        Particles i and j may touch only if ``categories[i] & masks[j]`` and
-        ``categories[j] & masks[i]``. To change all, assign an array or one number; to change some,
-        use `set`. The islands of changed particles wake.
-
-        See Also
-        --------
-        masks : The categories that each particle may touch.
-
-        Examples
-        --------
-        Ghosts pass through each other, and bounce off everything else:
-
-        >>> import jostle
-        >>> GHOST = 2
-        >>> world = jostle.World([(0, 0), (3, 0), (9, 0)], 1.0, velocities=[(1, 0), (0, 0), (0, 0)])
-        >>> world.set([0, 1], categories=GHOST, masks=~GHOST)
-        >>> world.step(0.1, steps=90)
-        >>> world.velocities[:, 0]
-        array([0., 0., 1.], dtype=float32)
-        >>> world.categories
-        array([2, 2, 1], dtype=uint32)
-        """
+        Particles i and j may touch only if ``categories[i] & masks[j]`` and ``categories[j] & masks[i]``. To change
+        all, assign an array or one number; to change some, use `set`. The islands of changed particles wake."""
     @categories.setter
     def categories(self, value: ArrayLike) -> None: ...
     @property
     def masks(self) -> NDArray[np.uint32]:
-        """Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
-        each particle may touch, see `categories`.
+        """Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that each particle may
+        touch, see `categories`.
 
-        To change all, assign an array or one number; to change some, use `set`.
-        """
+        To change all, assign an array or one number; to change some, use `set`."""
     @masks.setter
     def masks(self, value: ArrayLike) -> None: ...
     @property
     def kinds(self) -> NDArray[np.uint8]:
-        """Kinds: ndarray of uint8, shape (n,), a read-only copy of the rows of the particles in the
-        tables of each `PairForce`.
+        """Kinds: ndarray of uint8, shape (n,), a read-only copy of the rows of the particles in the tables of each
+        `PairForce`.
 
-        To change all, assign an array or one number; to change some, use `set`.
-        """
+        To change all, assign an array or one number; to change some, use `set`."""
     @kinds.setter
     def kinds(self, value: ArrayLike) -> None: ...
     @property
     def sensors(self) -> NDArray[np.bool_]:
         """Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
 
-        A sensor and another particle pass through each other; `contacts` and `events` report that
-        they touch, without impulses. A disc that passes through a sensor within a step, at any
-        speed, is found too: it has entered and left. Walls, the container and forces act on sensors
-        that are movable, as on other particles. One with ``movable=False`` stands still or moves with
-        its velocity, and also reports other immovable particles. Two sensors report each other if
-        one is movable. Categories and masks determine what they report. They
-        never merge.
+        A sensor and another particle pass through each other; `contacts` and `events` report that they touch, without
+        impulses. A disc that passes through a sensor within a step, at any speed, is found too: it has entered and
+        left. Walls, the container and forces act on sensors that are movable, as on other particles. One with
+        ``movable=False`` stands still or moves with its velocity, and also reports other immovable particles. Two
+        sensors report each other if one is movable. Categories and masks determine what they report. They never merge.
 
-        To change all, assign an array or one bool; to change some, use `set`.
-
-        See Also
-        --------
-        events : The pairs that began and ceased to touch.
-
-        Examples
-        --------
-        A fast disc passes through a sensor within one step:
-
-        >>> import jostle
-        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(900, 0)], track_events=True)
-        >>> goal = world.add((5, 0), 2.0, movable=False, sensors=True)
-        >>> world.step(1 / 60)
-        >>> world.events.entered, world.events.exited
-        (array([[0, 1]]), array([[0, 1]]))
-        >>> world.velocities[0]
-        array([900.,   0.], dtype=float32)
-        """
+        To change all, assign an array or one bool; to change some, use `set`."""
     @sensors.setter
     def sensors(self, value: ArrayLike) -> None: ...
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """Acceleration of all movable particles: ndarray of float64, shape (2,), a read-only copy in units
-        of length per second squared.
-        """
+        """Acceleration of all movable particles: ndarray of float64, shape (2,), a read-only copy in units of length
+        per second squared."""
     @gravity.setter
     def gravity(self, value: _Vectors) -> None: ...
     @property
@@ -3524,76 +1918,33 @@ class World(_ShapeQueries):
     def drag(self, value: _Number) -> None: ...
     @property
     def container(self) -> _Container | None:
-        """The region of the particles: a Box, Circle or None.
-
-        See Also
-        --------
-        walls : Line segments.
-        period : A periodic plane instead.
-
-        Examples
-        --------
-        An inelastic floor between walls with the coefficient of the disc:
-
-        >>> import jostle
-        >>> box = jostle.Box(0, 0, 10, 10, restitution=[None, None, 0, None])
-        >>> world = jostle.World([(5, 5)], 1.0, velocities=[(3, -9)], container=box)
-        >>> world.step(0.1, steps=15)
-        >>> world.velocities
-        array([[-3.,  0.]], dtype=float32)
-        """
+        """The region of the particles: a Box, Circle or None."""
     @container.setter
     def container(self, value: _Container | None) -> None: ...
     @property
     def period(self) -> NDArray[np.float64] | None:
         """Width and height of the periodic plane: ndarray of float64, shape (2,), or None.
 
-        A particle that leaves on one side enters on the other; positions are from 0 to the period. A
-        world has a container or a period.
+        A particle that leaves on one side enters on the other; positions are from 0 to the period. A world has a
+        container or a period.
 
         Raises
         ------
         ValueError
-            If there is a container, or a side is not finite and above 0.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(9, 5)], 1.0, velocities=[(3, 0)], period=(10, 10))
-        >>> world.step(1.0)
-        >>> world.positions
-        array([[2., 5.]], dtype=float32)
-        """
+            If there is a container, or a side is not finite and above 0."""
     @period.setter
     def period(self, value: ArrayLike | None) -> None: ...
     @property
     def walls(self) -> Walls:
         """The walls of the world: a `Walls`, which shows and changes them.
 
-        It cannot be assigned; ``world.walls.segments = ...`` moves all walls.
-
-        See Also
-        --------
-        jostle.polyline : Walls between consecutive points.
-        last_step : The walls that particles touched, and more.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(walls=jostle.polyline([(-3, 0), (0, 0), (3, 0)]))
-        >>> world.walls.remove(0)
-        >>> world.walls.ids, world.walls.segments.tolist()
-        (array([1]), [[[0.0, 0.0], [3.0, 0.0]]])
-        """
+        It cannot be assigned; ``world.walls.segments = ...`` moves all walls."""
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
-        `Grab`, `Thermostat`, `ThermalWalls`,
-        `AndersenThermostat`, `Motor` and `Pump`. Assign any sequence of them. They refer to particles by
-        id. If a particle is removed, its attractors and springs are removed too, and motors drive
-        the others. If particles merge, forces refer to the merged particle, and a spring between
-        two of them is removed.
-        """
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Grab`, `Thermostat`,
+        `ThermalWalls`, `AndersenThermostat`, `Motor` and `Pump`. Assign any sequence of them. They refer to particles
+        by id. If a particle is removed, its attractors and springs are removed too, and motors drive the others. If
+        particles merge, forces refer to the merged particle, and a spring between two of them is removed."""
     @forces.setter
     def forces(self, value: Iterable[_Force]) -> None: ...
     @property
@@ -3603,31 +1954,18 @@ class World(_ShapeQueries):
     def on_touch(self, value: Literal["bounce", "merge", "ignore"]) -> None: ...
     @property
     def renumbered(self) -> _Ids | None:
-        """The new id of each id after the last call of `step`: a read-only ndarray of int64, or None
-        if no particles merged.
+        """The new id of each id after the last call of `step`: a read-only ndarray of int64, or None if no particles
+        merged.
 
-        It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
-        ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
-        stands for an id that no particle has, also if it was removed since. Each call of `step`
-        replaces the array: read it after every call that may merge particles. If its first step is
-        refused, the array stays. Snapshots, files and copies do not contain it.
+        It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates ids. Particles that
+        merged share the smallest of their ids; all other ids stay the same. -1 stands for an id that no particle has,
+        also if it was removed since. Each call of `step` replaces the array: read it after every call that may merge
+        particles. If its first step is refused, the array stays. Snapshots, files and copies do not contain it.
 
         Raises
         ------
         MemoryError
-            If more than 134217728 ids were given, or there is not enough memory.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (1, 0), (9, 0)], 1.0, on_touch="merge")
-        >>> world.step(0.1)
-        >>> world.ids
-        array([0, 1, 3])
-        >>> mine = np.array([2, 3])
-        >>> world.renumbered[mine]  # 2 is part of 0 now
-        array([0, 3])
-        """
+            If more than 134217728 ids were given, or there is not enough memory."""
     @property
     def method(self) -> Literal["quadtree", "brute"]:
         """How pairs are found: "quadtree" or "brute"."""
@@ -3635,9 +1973,7 @@ class World(_ShapeQueries):
     def method(self, value: Literal["quadtree", "brute"]) -> None: ...
     @property
     def threads(self) -> int | None:
-        """Number of threads that was set; None for one on each core. A call uses at most one on
-        each core.
-        """
+        """Number of threads that was set; None for one on each core. A call uses at most one on each core."""
     @threads.setter
     def threads(self, value: SupportsIndex | None) -> None: ...
     @property
@@ -3652,13 +1988,7 @@ class World(_ShapeQueries):
     def max_depth(self, value: SupportsIndex) -> None: ...
     @property
     def substeps(self) -> int | None:
-        """Sub-steps of a step, or None for as many as the scene needs.
-
-        See Also
-        --------
-        last_step : Has the number of sub-steps of the last step.
-        step : Advances the simulation.
-        """
+        """Sub-steps of a step, or None for as many as the scene needs."""
     @substeps.setter
     def substeps(self, value: SupportsIndex | None) -> None: ...
     @property
@@ -3668,81 +1998,41 @@ class World(_ShapeQueries):
     def sleeping(self, value: bool) -> None: ...
     @property
     def unwrapped_positions(self) -> NDArray[np.float64]:
-        """Where the particles would be without a period: ndarray of float64, shape (n, 2), a read-only
-        copy in units of length.
+        """Where the particles would be without a period: ndarray of float64, shape (n, 2), a read-only copy in units of
+        length.
 
-        A particle that leaves a periodic plane on one side enters on the other, and `positions` are
-        from 0 to the period. Here the periods that it has travelled are added, so differences from
-        step to step are displacements. All digits of the state are included, also those that
-        float32 removes from `positions`. A particle that is added, or is given another position by
-        `set` or by assigning `positions`, begins at that position. If the period changes, all begin
-        at their `positions`. A merged particle continues the path of that whose id it has.
+        A particle that leaves a periodic plane on one side enters on the other, and `positions` are from 0 to the
+        period. Here the periods that it has travelled are added, so differences from step to step are displacements.
+        All digits of the state are included, also those that float32 removes from `positions`. A particle that is
+        added, or is given another position by `set` or by assigning `positions`, begins at that position. If the period
+        changes, all begin at their `positions`. A merged particle continues the path of that whose id it has.
 
-        Without a period they are the positions. They are kept by snapshots and files.
-
-        See Also
-        --------
-        positions : Within the period.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(9, 5)], 1.0, velocities=[(2, 0)], period=10)
-        >>> world.step(0.5, steps=26)
-        >>> world.positions, world.unwrapped_positions
-        (array([[5., 5.]], dtype=float32), array([[35.,  5.]]))
-        """
+        Without a period they are the positions. They are kept by snapshots and files."""
     @property
     def asleep(self) -> NDArray[np.bool_]:
         """Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
 
-        An island of particles that touch or nearly touch falls asleep under gravity if each of them
-        rests on something and has been slow for half a second, and if their motion is steady and
-        does not grow. Sleeping particles do not move, and cost almost nothing. Their
-        contacts in `last_step` are those of the last step in which they were awake.
+        An island of particles that touch or nearly touch falls asleep under gravity if each of them rests on something
+        and has been slow for half a second, and if their motion is steady and does not grow. Sleeping particles do not
+        move, and cost almost nothing. Their contacts in `last_step` are those of the last step in which they were
+        awake.
 
-        An island wakes if a moving particle could touch it in the step, or if one of its particles
-        is changed or removed (also if `world.positions` is assigned: to move a few, use
-        `world.set`). All islands wake if the forces, an immovable particle or a setting other than
-        `method`, `threads`, `leaf_capacity` and `max_depth` changes, or if an immovable particle is
-        added. If only the velocities of an immovable particle change, the islands that touch it
-        wake.
+        An island wakes if a moving particle could touch it in the step, or if one of its particles is changed or
+        removed (also if `world.positions` is assigned: to move a few, use `world.set`). All islands wake if the forces,
+        an immovable particle or a setting other than `method`, `threads`, `leaf_capacity` and `max_depth` changes, or
+        if an immovable particle is added. If only the velocities of an immovable particle change, the islands that
+        touch it wake.
 
-        Nothing falls asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall
-        moves, or with an `on_touch` other than "bounce". Immovable particles are never asleep, and
-        nothing sleeps on a kinematic one.
-
-        See Also
-        --------
-        sleeping : Turns it off.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(
-        ...     [(0, 1), (5, 1)], 1.0, velocities=[(0, 0), (2, 0)], gravity=(0, -9.8),
-        ...     restitution=0.5, container=jostle.Box(-9, 0, 99, 9),
-        ... )
-        >>> world.step(1 / 60, steps=60)
-        >>> world.asleep
-        array([ True, False])
-        """
-    def free_positions(
-        self,
-        n: int,
-        radii: ArrayLike,
-        *,
-        region: Box | Circle | None = None,
-        gap: float = 0.0,
-        seed: int = 0,
-    ) -> NDArray[np.float32]:
+        Nothing falls asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall moves, or with an
+        `on_touch` other than "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one."""
+    def free_positions(self, n: int, radii: ArrayLike, *, region: Box | Circle | None = None, gap: float = 0.0,
+            seed: int = 0) -> NDArray[np.float32]:
         """Return random positions at which new discs touch nothing.
 
-        The discs touch neither each other nor particles, walls or the sides of the container, at their
-        present places. Sensors, walls among them, do not count; filters make no difference. Nothing is added. The
-        positions are those of random sequential addition: one after the other, large discs first, each
-        uniform among the positions that are still free. So discs of one radius fill at most about
-        54 % of a region.
+        The discs touch neither each other nor particles, walls or the sides of the container, at their present places.
+        Sensors, walls among them, do not count; filters make no difference. Nothing is added. The positions are those
+        of random sequential addition: one after the other, large discs first, each uniform among the positions that are
+        still free. So discs of one radius fill at most about 54 % of a region.
 
         Parameters
         ----------
@@ -3751,11 +2041,11 @@ class World(_ShapeQueries):
         radii : array_like, a number or shape (n,)
             In units of length.
         region : Box or Circle, optional
-            The discs lie inside of it entirely. If omitted, the container or the period of the world;
-            required in a world that has neither.
+            The discs lie inside of it entirely. If omitted, the container or the period of the world; required in a
+            world that has neither.
         gap : float, default 0
-            Least distance of surfaces from each other, in units of length, also from walls and the
-            sides of the container.
+            Least distance of surfaces from each other, in units of length, also from walls and the sides of the
+            container.
         seed : int, default 0
             Seed of the random numbers, below 2³². The same seed gives the same positions on every machine.
 
@@ -3769,125 +2059,63 @@ class World(_ShapeQueries):
         TypeError
             If an argument has the wrong type.
         ValueError
-            If there is no room for all discs, with the number that found room; if a radius does not fit
-            into the region or the container; if there is no region, or a number is out of range.
-
-        See Also
-        --------
-        add : Add particles at the positions.
-        separate : Move shapes apart, also those that are denser.
+            If there is no room for all discs, with the number that found room; if a radius does not fit into the region
+            or the container; if there is no region, or a number is out of range.
 
         Notes
         -----
-        For each disc up to 100,000 positions are tried. A disc finds room if about one position in
-        10,000 is free.
-
-        References
-        ----------
-        B. Widom, *Random Sequential Addition of Hard Spheres to a Volume*, Journal of Chemical Physics
-        44 (1966).
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(container=jostle.Box(0, 0, 40, 30))
-        >>> ids = world.add(world.free_positions(100, 1.0, seed=1), 1.0)
-        >>> len(world.pairs())
-        0
-        >>> corner = world.free_positions(1, 0.5, region=jostle.Box(0, 0, 20, 20), gap=0.1)
-        >>> corner.shape
-        (1, 2)
-        """
+        For each disc up to 100,000 positions are tried. A disc finds room if about one position in 10,000 is free."""
     def net_forces(self) -> NDArray[np.float64]:
         """Return the sum of the forces on each particle at the present state, without those of contacts.
 
-        It is m (gravity - drag v), and the forces of `forces` that accelerate particles: `Attractor`,
-        `Gravitation`, `PairForce`, `Flocking`, `Grab` and `Springs`, with their damping; and what is
-        given for the next call of `step`. Contacts, walls and sides are left out: `last_step` has their
-        impulses. So are the speed limits of `Flocking`, and thermostats.
+        It is m (gravity - drag v), and the forces of `forces` that accelerate particles: `Attractor`, `Gravitation`,
+        `PairForce`, `Flocking`, `Grab` and `Springs`, with their damping; and what is given for the next call of
+        `step`. Contacts, walls and sides are left out: `last_step` has their impulses. So are the speed limits of
+        `Flocking`, and thermostats.
 
         Returns
         -------
         ndarray of float64, shape (n, 2)
-            In units of mass times length per second squared, in the order of `ids`; 0 for immovable
-            particles.
-
-        See Also
-        --------
-        force_virial : The sum of offset times force over all pairs.
-        potential_energy : Its negative gradient is the part of the forces that has a potential.
+            In units of mass times length per second squared, in the order of `ids`; 0 for immovable particles.
 
         Notes
         -----
-        Positions are those of float32. Accelerations are computed in float32, as in a step, for all
-        particles, so the cost is about that of the forces in a sub-step.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> spring = jostle.Springs([(0, 1)], lengths=1.0, stiffness=10.0)
-        >>> world = jostle.World(
-        ...     [(0, 0), (3, 0)], 0.1, masses=2.0, gravity=(0, -1), forces=[spring]
-        ... )
-        >>> world.net_forces()
-        array([[ 20.,  -2.],
-               [-20.,  -2.]])
-        """
+        Positions are those of float32. Accelerations are computed in float32, as in a step, for all particles, so the
+        cost is about that of the forces in a sub-step."""
     def force_virial(self) -> NDArray[np.float64]:
-        """Return the virial of the forces between pairs at the present state: the sum of offset times
-        force over all pairs, as `collision_virial` of `last_call` is that of offset times impulse.
+        """Return the virial of the forces between pairs at the present state: the sum of offset times force over all
+        pairs, as `collision_virial` of `last_call` is that of offset times impulse.
 
-        The offset is from one particle of the pair to the nearest image of the other, the force is that
-        on the other: repulsion is positive. The forces are those of `PairForce`, `Gravitation` and
-        `Springs`, with their damping. If those of a `PairForce` are not equal and opposite, a pair has
-        the mean of both. Gravity, `Attractor` and `Flocking` do not act between pairs and are left
-        out.
+        The offset is from one particle of the pair to the nearest image of the other, the force is that on the other:
+        repulsion is positive. The forces are those of `PairForce`, `Gravitation` and `Springs`, with their damping. If
+        those of a `PairForce` are not equal and opposite, a pair has the mean of both. Gravity, `Attractor` and
+        `Flocking` do not act between pairs and are left out.
 
         Returns
         -------
         ndarray of float64, shape (2, 2)
             In units of energy. The first index is the axis of the offset, the second that of the force.
 
-        See Also
-        --------
-        net_forces : The forces on each particle.
-        last_call : The virial of collisions, summed over all steps of a call.
-
         Notes
         -----
-        The pressure on an area A is (n T + ½ tr W) / A, where T is the temperature and W the mean of the
-        virial. The mean of collisions is `collision_virial` over `duration`.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> spring = jostle.Springs([(0, 1)], lengths=1.0, stiffness=10.0)
-        >>> jostle.World([(0, 0), (3, 0)], 0.1, forces=[spring]).force_virial()
-        array([[-60.,   0.],
-               [  0.,   0.]])
-        """
-    def pairs(
-        self,
-        *,
-        sort: bool = False,
-        max_pairs: SupportsIndex = 134217728,
-        mask: SupportsIndex | None = None,
-        distance: _Number = 0.0,
-    ) -> _Pairs:
+        The pressure on an area A is (n T + ½ tr W) / A, where T is the temperature and W the mean of the virial. The
+        mean of collisions is `collision_virial` over `duration`."""
+    def pairs(self, *, sort: bool = False, max_pairs: SupportsIndex = 134217728, mask: _Mask = None,
+            distance: _Number = 0.0) -> _Pairs:
         """Find every pair of particles that overlap now.
 
         Parameters
         ----------
         sort : bool, default False
-            Whether to sort the pairs by the first, then by the second id. If False, they come in the
-            order of a tree, which is the same for every number of threads.
+            Whether to sort the pairs by the first, then by the second id. If False, they come in the order of a tree,
+            which is the same for every number of threads.
         max_pairs : int, default 134217728
             Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
             Find only pairs whose particles both have a category in this set of bits.
         distance : float, default 0.0
-            Find pairs whose gap is below this, in units of length: each radius is increased by half
-            of it. If 0, the particles must overlap.
+            Find pairs whose gap is below this, in units of length: each radius is increased by half of it. If 0, the
+            particles must overlap.
 
         Returns
         -------
@@ -3899,44 +2127,21 @@ class World(_ShapeQueries):
         ValueError
             If more than `max_pairs` pairs overlap.
 
-        See Also
-        --------
-        contacts : The same with normals and depths.
-        neighbors : The particles near each particle.
-
         Notes
         -----
-        All queries of a world take the particles where they are now, awake and asleep, in float32, and on
-        a periodic plane across its sides. They change no particle and no result of a step. The first query
-        after a step or an edit builds a tree, which takes as long as a `Quadtree` of the same discs;
-        later ones use it. For `pairs`, `contacts`, `neighbors` and `nodes` it has all particles; for the
-        other queries only those that are awake, because sleeping islands have trees that stay.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (5, 0), (6, 0)], 1.0)
-        >>> world.pairs()
-        array([[1, 2]])
-        >>> world.remove(0)
-        >>> pairs = world.pairs()
-        >>> pairs, world.rows(pairs)
-        (array([[1, 2]]), array([[0, 1]]))
-        """
-    def contacts(
-        self,
-        *,
-        sort: bool = False,
-        max_pairs: SupportsIndex = 134217728,
-        mask: SupportsIndex | None = None,
-    ) -> Contacts:
+        All queries of a world take the particles where they are now, awake and asleep, in float32, and on a periodic
+        plane across its sides. They change no particle and no result of a step. The first query after a step or an edit
+        builds a tree, which takes as long as a `Quadtree` of the same discs; later ones use it. For `pairs`,
+        `contacts`, `neighbors` and `nodes` it has all particles; for the other queries only those that are awake,
+        because sleeping islands have trees that stay."""
+    def contacts(self, *, sort: bool = False, max_pairs: SupportsIndex = 134217728, mask: _Mask = None) -> Contacts:
         """Find every pair of particles that overlap now, and how each overlaps.
 
         Parameters
         ----------
         sort : bool, default False
-            Whether to sort the contacts by the first, then by the second id of the pair. If False,
-            they come in the order of :meth:`pairs`.
+            Whether to sort the contacts by the first, then by the second id of the pair. If False, they come in the
+            order of :meth:`pairs`.
         max_pairs : int, default 134217728
             Maximum number of pairs to return.
         mask : int, optional
@@ -3945,181 +2150,77 @@ class World(_ShapeQueries):
         Returns
         -------
         Contacts
-            The pairs with their normals, depths, points and categories, as from
-            :meth:`Space.contacts`, in float32.
+            The pairs with their normals, depths, points and categories, as from :meth:`Space.contacts`, in float32.
 
         Raises
         ------
         ValueError
-            If more than `max_pairs` pairs overlap.
-
-        See Also
-        --------
-        last_step : The contacts of the last step, with impulses.
-        pairs : The pairs alone, and what a query costs.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(9, 0), (0.5, 0)], 1.0, period=10)
-        >>> contacts = world.contacts()
-        >>> contacts.pairs, contacts.normals, contacts.depths
-        (array([[0, 1]]), array([[1., 0.]], dtype=float32), array([0.5], dtype=float32))
-        """
+            If more than `max_pairs` pairs overlap."""
     def nodes(self) -> Nodes:
         """Return the boxes of the tree of all particles.
 
         Returns
         -------
         Nodes
-            As from :meth:`Quadtree.nodes`.
-
-        See Also
-        --------
-        pairs : What the tree costs.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (1, 1), (7, 7)], 0.5, leaf_capacity=2)
-        >>> world.nodes().counts
-        array([3, 2, 1])
-        """
+            As from :meth:`Quadtree.nodes`."""
     @property
     def last_step(self) -> LastStep:
-        """What the last step found: a `LastStep` of `contacts`, the pairs that touched, a
-        `WorldContacts`; `wall_contacts`, the particles to which walls or the container gave an impulse,
-        a `WallContacts`; and the numbers `substeps`, `unresolved` and `collapsed`.
+        """What the last step found: a `LastStep` of `contacts`, the pairs that touched, a `WorldContacts`;
+        `wall_contacts`, the particles to which walls or the container gave an impulse, a `WallContacts`; and the
+        numbers `substeps`, `unresolved` and `collapsed`.
 
-        The contacts are listed when it is read. Those of sleeping particles are those of the last step
-        in which they were awake. If `on_touch` is not "bounce", the pairs are those that overlap now,
-        without impulses. The numbers are 0 before the first step, and after `restore` and `load`.
-        Impulses are those of one step: divided by its length they are mean forces. A sum over many
-        steps is in `last_call`.
-
-        See Also
-        --------
-        last_call : Sums over all steps of the last call of `step`.
-        events : The pairs that began and ceased to touch.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> box = jostle.Box(-9, 0, 9, 9)
-        >>> world = jostle.World([(0, 1)], 1.0, gravity=(0, -10), restitution=0.5, container=box)
-        >>> world.step(0.01)
-        >>> on_floor = world.last_step.wall_contacts
-        >>> on_floor.walls, (on_floor.normal_impulses / 0.01).round(2)
-        (array([-4]), array([10.], dtype=float32))
-        """
+        The contacts are listed when it is read. Those of sleeping particles are those of the last step in which they
+        were awake. If `on_touch` is not "bounce", the pairs are those that overlap now, without impulses. The numbers
+        are 0 before the first step, and after `restore` and `load`. Impulses are those of one step: divided by its
+        length they are mean forces. A sum over many steps is in `last_call`."""
     @property
     def last_call(self) -> LastCall:
-        """Sums over the last call of `step`, with all its steps: a `LastCall` of `duration`, `steps`,
-        `collisions`, `wall_collisions`, `collision_virial`, `wall_impulses` and `side_impulses`.
+        """Sums over the last call of `step`, with all its steps: a `LastCall` of `duration`, `steps`, `collisions`,
+        `wall_collisions`, `collision_virial`, `wall_impulses` and `side_impulses`.
 
-        Particles that sleep add nothing; ``World(..., sleeping=False)`` keeps all awake.
-
-        See Also
-        --------
-        last_step : What touched in the last step.
-
-        Examples
-        --------
-        The pressure of a gas in a box, from the impulses of its four sides:
-
-        >>> import jostle, numpy as np
-        >>> box, rng = jostle.Box(0, 0, 100, 100), np.random.default_rng(1)
-        >>> at = rng.uniform(5, 95, (400, 2))
-        >>> gas = jostle.World(at, 0.1, masses=1.0, velocities=rng.normal(size=(400, 2)), container=box)
-        >>> gas.step(0.1, steps=5000)
-        >>> call = gas.last_call
-        >>> pressure = call.side_impulses[:, 0].sum() / (call.duration * 400)
-        >>> round(float(pressure * box.area / (len(gas) * gas.temperature())), 1)  # that of an ideal gas
-        1.0
-        """
+        Particles that sleep add nothing; ``World(..., sleeping=False)`` keeps all awake."""
     @property
     def wall_events(self) -> WallEvents:
         """The particles and walls that began and ceased to touch in the last call of `step`: a `WallEvents` of
-        `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of the id of a particle and that
-        of a wall, or the `Side` of a container, sorted. They need ``track_events=True``, as `events` do.
+        `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of the id of a particle and that of a
+        wall, or the `Side` of a container, sorted. They need ``track_events=True``, as `events` do.
 
-        The steps and sub-steps of the call count as for `events`. A particle touches a wall that is a sensor if
-        they overlap at any time of the call, also on its way through within one step: then the pair is in
-        `entered` and in `exited`. It touches any other wall, or a side, if it gets an impulse from it, or if the
-        gap at the end of the call is at most the rounding of float32. Walls that were removed touch nothing.
+        The steps and sub-steps of the call count as for `events`. A particle touches a wall that is a sensor if they
+        overlap at any time of the call, also on its way through within one step: then the pair is in `entered` and in
+        `exited`. It touches any other wall, or a side, if it gets an impulse from it, or if the gap at the end of the
+        call is at most the rounding of float32. Walls that were removed touch nothing.
 
         Raises
         ------
         RuntimeError
-            If `track_events` is False.
-
-        See Also
-        --------
-        events : The same of two particles.
-        last_step : The walls of the last step, with impulses.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (0, 2)], 0.5, velocities=[(9, 0), (0, 0)], track_events=True)
-        >>> goal = world.walls.add(((4, -1), (4, 1)), sensors=True)
-        >>> world.step(1.0)  # the first particle flies through the goal
-        >>> world.wall_events.entered, world.wall_events.exited
-        (array([[0, 0]]), array([[0, 0]]))
-        """
+            If `track_events` is False."""
     @property
     def events(self) -> WorldEvents:
-        """The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of
-        `entered`, `stayed` and `exited`, each an ndarray of int64, shape (m, 2), of ids ``i < j``,
-        sorted. They need ``World(..., track_events=True)`` or ``world.track_events = True``.
+        """The pairs that began and ceased to touch in the last call of `step`: a `WorldEvents` of `entered`, `stayed`
+        and `exited`, each an ndarray of int64, shape (m, 2), of ids ``i < j``, sorted. They need
+        ``World(..., track_events=True)`` or ``world.track_events = True``.
 
-        All steps and sub-steps of the call count: a pair that began and ceased to touch is in
-        `entered` and in `exited`. A pair in `entered` did not touch at the end of the call before,
-        and a pair in `exited` does not touch at the end of this one, also because a particle was
-        removed or merged. In the first call all pairs that touch have entered. So a pair
-        that has entered does not enter again before it has exited.
+        All steps and sub-steps of the call count: a pair that began and ceased to touch is in `entered` and in
+        `exited`. A pair in `entered` did not touch at the end of the call before, and a pair in `exited` does not touch
+        at the end of this one, also because a particle was removed or merged. In the first call all pairs that touch
+        have entered. So a pair that has entered does not enter again before it has exited.
 
-        Particles touch if they collide, if the gap between them is at most the rounding of float32,
-        or if a resting contact presses them together. Particles that pass through each other,
-        sensors among them, touch if they overlap at any time of the call. Two immovable
-        particles touch only if exactly one of them is a sensor.
+        Particles touch if they collide, if the gap between them is at most the rounding of float32, or if a resting
+        contact presses them together. Particles that pass through each other, sensors among them, touch if they overlap
+        at any time of the call. Two immovable particles touch only if exactly one of them is a sensor.
 
         Raises
         ------
         RuntimeError
-            If `track_events` is False.
-
-        See Also
-        --------
-        wall_events : The same of particles and walls.
-        last_step : The pairs of the last step, with impulses.
-        last_call : The number of collisions.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(
-        ...     [(0, 0), (3, 0), (8, 0)], 1.0, velocities=[(1, 0), (0, 0), (0, 0)],
-        ...     track_events=True,
-        ... )
-        >>> world.step(2.0)  # 0 hits 1, which flies on
-        >>> world.events.entered, world.events.exited
-        (array([[0, 1]]), array([[0, 1]]))
-        >>> world.step(2.0)  # 1 touches 2 after 4 seconds
-        >>> events = world.events
-        >>> events.entered, len(events.stayed), len(events.exited)
-        (array([[1, 2]]), 0, 0)
-        """
+            If `track_events` is False."""
     @property
     def track_events(self) -> bool:
-        """Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair
-        counts as touching before the next step.
-        """
+        """Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair counts as
+        touching before the next step."""
     @track_events.setter
     def track_events(self, value: bool) -> None: ...
     def angular_momentum(self, about: _Vectors = (0.0, 0.0)) -> float:
-        """Return the sum of m (r - a) × v + I ω of the movable particles, with the moment of inertia
-        I = m r²/2.
+        """Return the sum of m (r - a) × v + I ω of the movable particles, with the moment of inertia I = m r²/2.
 
         Parameters
         ----------
@@ -4129,43 +2230,18 @@ class World(_ShapeQueries):
         Returns
         -------
         float
-            Positive for a rotation from +x to +y.
-
-        See Also
-        --------
-        momentum : Of the motion along the axes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(3, 0)], 1.0, velocities=[(0, 2)], angular_velocities=4.0)
-        >>> world.angular_momentum(), world.angular_momentum(about=(3, 0))
-        (8.0, 2.0)
-        """
+            Positive for a rotation from +x to +y."""
     def temperature(self) -> float:
-        """Return the temperature of the movable particles with k = 1: the sum of m (v - u)² over 2 (n - 1),
-        where u is their mean velocity, weighted by mass.
+        """Return the temperature of the movable particles with k = 1: the sum of m (v - u)² over 2 (n - 1), where u is
+        their mean velocity, weighted by mass.
 
-        Rotation is left out. In two dimensions a gas that is at rest as a whole has n - 1 times this
-        energy of translation.
+        Rotation is left out. In two dimensions a gas that is at rest as a whole has n - 1 times this energy of
+        translation.
 
         Returns
         -------
         float
-            In units of mass times length squared per second squared; NaN for fewer than two
-            particles.
-
-        See Also
-        --------
-        kinetic_energy : With rotation and the motion as a whole.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0), (9, 0)], 1.0, velocities=[(5, 0), (7, 0)])
-        >>> world.temperature()
-        1.0
-        """
+            In units of mass times length squared per second squared; NaN for fewer than two particles."""
     def total_energy(self) -> float:
         """Return the sum of `kinetic_energy` and `potential_energy`."""
     def momentum(self) -> NDArray[np.float64]:
@@ -4174,98 +2250,40 @@ class World(_ShapeQueries):
         Returns
         -------
         ndarray of float64, shape (2,)
-            In units of mass times length per second.
-
-        See Also
-        --------
-        angular_momentum : Of the motion around a point.
-        """
+            In units of mass times length per second."""
     def kinetic_energy(self) -> float:
-        """Return the sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia
-        I = m r²/2.
-
-        See Also
-        --------
-        potential_energy : The energy of gravity and forces.
-        total_energy : Both.
-        """
+        """Return the sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2."""
     def potential_energy(self) -> float:
-        """Return the energy of all movable particles in the fields of gravity (0 at the origin) and of
-        attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
-        springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
-        Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
-        are equal and opposite (0 at its cutoff).
-
-        See Also
-        --------
-        kinetic_energy : The energy of motion.
-        total_energy : Both.
-        """
+        """Return the energy of all movable particles in the fields of gravity (0 at the origin) and of attractors
+        (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken springs (½ stiffness times stretch
+        squared), of gravitation (0 at infinity, by Barnes and Hut's method if there are many particles), and of each
+        `PairForce` whose forces are equal and opposite (0 at its cutoff)."""
     @property
     def time(self) -> float:
         """Simulated time in seconds."""
     @property
     def profile(self) -> dict[str, float]:
-        """Milliseconds of each stage of the last step: a dict of "forces", if there are forces,
-        "bounds", "build", "pairs", "contacts", "resting", "events", "correction" and "store".
-
-        See Also
-        --------
-        stats : The work of the last step, in numbers.
-        """
+        """Milliseconds of each stage of the last step: a dict of "forces", if there are forces, "bounds", "build",
+        "pairs", "contacts", "resting", "events", "correction" and "store"."""
     @property
     def stats(self) -> Stats:
-        """The size of the tree of the last step: a `Stats` of `nodes`, `leaves`, `depth` and `tests`, the
-        number of pairs that were tested. All are 0 before the first step, and after `restore` and
-        `load`.
-
-        See Also
-        --------
-        profile : The time of each stage.
-        last_step : What the last step found.
-        """
+        """The size of the tree of the last step: a `Stats` of `nodes`, `leaves`, `depth` and `tests`, the number of
+        pairs that were tested. All are 0 before the first step, and after `restore` and `load`."""
     def state_hash(self) -> int:
         """Return a 64-bit hash of all particles.
 
         Returns
         -------
         int
-            The same for the same particles, on every machine.
-
-        See Also
-        --------
-        snapshot : The whole state.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> worlds = [jostle.World([(0, 0)], 1.0, velocities=[(1, 0)]) for _ in range(2)]
-        >>> worlds[0].state_hash() == worlds[1].state_hash()
-        True
-        """
+            The same for the same particles, on every machine."""
     def snapshot(self) -> bytes:
         """Return the whole state of the world in bytes.
 
         Returns
         -------
         bytes
-            Particles, settings, forces, the time, the resting contacts, and the `attachment`, the same
-            bytes on every machine. A world that `restore` makes from them continues with the same bits.
-
-        See Also
-        --------
-        restore : Makes a world from the bytes.
-        save : Writes them into a file.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
-        >>> before = world.snapshot()
-        >>> world.step(0.5, steps=4)
-        >>> world.time, jostle.World.restore(before).time
-        (2.0, 0.0)
-        """
+            Particles, settings, forces, the time, the resting contacts, and the `attachment`, the same bytes on every
+            machine. A world that `restore` makes from them continues with the same bits."""
     @classmethod
     def restore(cls, data: bytes | bytearray | memoryview) -> World:
         """Make a world from the bytes of `snapshot`.
@@ -4285,45 +2303,18 @@ class World(_ShapeQueries):
         TypeError
             If `data` is not bytes.
         ValueError
-            If they are not from `snapshot`, or are truncated or damaged.
-
-        See Also
-        --------
-        snapshot : Returns the bytes.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.scenes.create("gas", n=100)
-        >>> copy = jostle.World.restore(world.snapshot())
-        >>> world.step(0.01, steps=50); copy.step(0.01, steps=50)
-        >>> copy.state_hash() == world.state_hash()
-        True
-        """
+            If they are not from `snapshot`, or are truncated or damaged."""
     @property
     def attachment(self) -> str | None:
         """A text that the world keeps and does not read: str, or None, the default. It may be assigned.
 
-        Programs keep their own settings there, as JSON. Snapshots, files, copies and pickles contain
-        it; the motion and `state_hash` do not depend on it.
+        Programs keep their own settings there, as JSON. Snapshots, files, copies and pickles contain it; the motion and
+        `state_hash` do not depend on it.
 
         Raises
         ------
         TypeError
-            If an assigned value is neither str nor None.
-
-        See Also
-        --------
-        save : Writes it into a file, with the world.
-
-        Examples
-        --------
-        >>> import jostle, json
-        >>> world = jostle.World([(0, 0)], 1.0, velocities=[(1, 0)])
-        >>> world.attachment = json.dumps({"zoom": 2.5})
-        >>> json.loads(jostle.World.restore(world.snapshot()).attachment)
-        {'zoom': 2.5}
-        """
+            If an assigned value is neither str nor None."""
     @attachment.setter
     def attachment(self, value: str | None) -> None: ...
     def save(self, path: str | bytes | os.PathLike[str]) -> None:
@@ -4332,27 +2323,13 @@ class World(_ShapeQueries):
         Parameters
         ----------
         path : str, bytes or os.PathLike
-            An existing file is replaced when the new one is complete; it keeps its
-            permissions. If the path is a symbolic link, its target is replaced.
+            An existing file is replaced when the new one is complete; it keeps its permissions. If the path is a
+            symbolic link, its target is replaced.
 
         Raises
         ------
         OSError
-            If the file cannot be written; then an existing one is unchanged.
-
-        See Also
-        --------
-        load : Reads the file.
-        snapshot : The same in memory.
-
-        Examples
-        --------
-        >>> import jostle, os, tempfile
-        >>> path = os.path.join(tempfile.mkdtemp(), "gas.jostle")
-        >>> jostle.scenes.create("gas", n=100).save(path)
-        >>> len(jostle.World.load(path))
-        100
-        """
+            If the file cannot be written; then an existing one is unchanged."""
     @classmethod
     def load(cls, path: str | bytes | os.PathLike[str]) -> World:
         """Read a world from a file that `save` has written.
@@ -4372,76 +2349,31 @@ class World(_ShapeQueries):
         OSError
             If the file cannot be read.
         ValueError
-            If it does not contain a world, or is truncated or damaged; the message names the
-            file.
-
-        See Also
-        --------
-        save : Writes the file.
-
-        Examples
-        --------
-        >>> import jostle, os, tempfile
-        >>> path = os.path.join(tempfile.mkdtemp(), "pile.jostle")
-        >>> jostle.scenes.create("pile", n=50).save(path)
-        >>> jostle.World.load(path)
-        <jostle.World of 50 particles after 0.000 s>
-        """
+            If it does not contain a world, or is truncated or damaged; the message names the file."""
     def __reduce__(self) -> tuple[Callable[[bytes], World], tuple[bytes]]: ...
     def __contains__(self, id: object, /) -> bool: ...
-    def __len__(self) -> int: ...
 
 @final
 class Walls(_Queries):
     """The walls of a world: line segments with ids, which discs do not cross.
 
-    It is made by `World.walls` and shows the walls that the world has at any time. Each wall has an
-    id, which never changes and is never used again: 0, 1, 2, ... in the order of adding. The columns
-    are in the order of `ids`, and `rows` gives the rows of ids. Columns are read-only copies: assign
-    them as a whole, or change some walls with `set`. A change wakes all particles. It costs as much
-    as all walls, so change many at once.
+    It is made by `World.walls` and shows the walls that the world has at any time. Each wall has an id, which never
+    changes and is never used again: 0, 1, 2, ... in the order of adding. The columns are in the order of `ids`, and
+    `rows` gives the rows of ids. Columns are read-only copies: assign them as a whole, or change some walls with `set`.
+    A change wakes all particles. It costs as much as all walls, so change many at once.
 
-    A wall stops particles from both sides and at its ends. A wall that is `one_way` stops them only
-    from its left, and a sensor stops none. A wall moves with its velocity in each step, and pushes
-    particles as a kinematic particle does. Walls that are moved by a change transfer no momentum:
-    particles that overlap a wall are pushed out in several steps, to the side on which their centre is.
+    A wall stops particles from both sides and at its ends. A wall that is `one_way` stops them only from its left, and
+    a sensor stops none. A wall moves with its velocity in each step, and pushes particles as a kinematic particle does.
+    Walls that are moved by a change transfer no momentum: particles that overlap a wall are pushed out in several
+    steps, to the side on which their centre is.
 
-    Queries find walls by id, where they are now in float32, in a periodic world across its sides. Rays and
-    moving shapes hit the same walls as casts of the `World`: no sensors, and one-way walls only from their left.
-    The first query after walls have moved or changed builds a tree of all walls; later ones use it.
+    Queries find walls by id, where they are now in float32, in a periodic world across its sides. Rays and moving
+    shapes hit the same walls as casts of the `World`: no sensors, and one-way walls only from their left. The first
+    query after walls have moved or changed builds a tree of all walls; later ones use it."""
 
-    See Also
-    --------
-    World.walls : Returns it.
-    World.raycast : Rays that hit particles, walls and the container.
-    polyline : Walls between consecutive points.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> world = jostle.World([(0, 2)], 1.0, velocities=[(0, -4)])
-    >>> floor, piston = world.walls.add([((-3, 0), (3, 0)), ((9, 0), (9, 5))], restitution=[0.25, None])
-    >>> world.walls.set(piston, velocities=(-1, 0))
-    >>> world.step(0.5)
-    >>> world.positions, world.walls.get(piston).segments
-    (array([[0. , 1.5]], dtype=float32), array([[8.5, 0. ],
-           [8.5, 5. ]], dtype=float32))
-    >>> world.walls.query_circle((0, 0), 1), world.walls.nearest((8, 9)).ids
-    (array([0]), array([1]))
-    """
-
-    def add(
-        self,
-        segments: ArrayLike,
-        *,
-        velocities: ArrayLike = (0.0, 0.0),
-        friction: ArrayLike | None = None,
-        restitution: ArrayLike | None = None,
-        sensors: ArrayLike = False,
-        one_way: ArrayLike = False,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = 4294967295,
-    ) -> int | _Ids | Any:
+    def add(self, segments: ArrayLike, *, velocities: ArrayLike = (0.0, 0.0), friction: ArrayLike | None = None,
+            restitution: ArrayLike | None = None, sensors: ArrayLike = False, one_way: ArrayLike = False,
+            categories: ArrayLike = 1, masks: ArrayLike = 4294967295) -> int | _Ids | Any:
         """Add one wall or many, after the others.
 
         Parameters
@@ -4449,18 +2381,18 @@ class Walls(_Queries):
         segments : array_like, shape (k, 2, 2), or (2, 2) for one wall
             From one end to the other, in units of length.
         velocities : array_like, shape (2,) or (k, 2), default (0.0, 0.0)
-            In units of length per second. Walls that share an end should have the same velocity.
-            Nothing falls asleep while a wall moves.
+            In units of length per second. Walls that share an end should have the same velocity. Nothing falls asleep
+            while a wall moves.
         friction, restitution : array_like, a number or shape (k,), optional
-            Coefficients. A contact has the square root of the product with that of the particle. None,
-            and NaN for one wall, is the coefficient of the particle.
+            Coefficients. A contact has the square root of the product with that of the particle. None, and NaN for one
+            wall, is the coefficient of the particle.
         sensors : array_like of bool, one or shape (k,), default False
-            Whether the wall is a sensor: it stops no particle. `World.wall_events` has the particles that
-            touch it, also those that cross it within one step.
+            Whether the wall is a sensor: it stops no particle. `World.wall_events` has the particles that touch it,
+            also those that cross it within one step.
         one_way : array_like of bool, one or shape (k,), default False
-            Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx),
-            where (dx, dy) is ``end - start``. A particle comes from there if all of it is there, up to an
-            overlap of 1/64 of its radius. Anything else passes.
+            Whether the wall stops only what comes from the left of start → end: from the side of (-dy, dx), where (dx,
+            dy) is ``end - start``. A particle comes from there if all of it is there, up to an overlap of 1/64 of its
+            radius. Anything else passes.
         categories, masks : array_like of int, a number or shape (k,), default 1 and all bits
             Bit sets of 32 bits: a particle i and a wall w touch only if ``categories[i] & masks[w]`` and
             ``categories[w] & masks[i]``.
@@ -4473,28 +2405,13 @@ class Walls(_Queries):
         Raises
         ------
         TypeError, ValueError
-            If a shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are equal,
-            or a wall is longer than a side of the period; then nothing is added.
-
-        See Also
-        --------
-        set : Change walls.
-        remove : Remove walls.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World()
-        >>> world.walls.add(jostle.polyline([(0, 0), (5, 0), (5, 5)]), friction=0.5)
-        array([0, 1])
-        >>> world.walls.add(((0, 9), (5, 9)))
-        2
-        """
+            If a shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are equal, or a wall is
+            longer than a side of the period; then nothing is added."""
     def remove(self, ids: ArrayLike) -> None:
         """Remove walls. Their ids are never used again.
 
-        In the columns, the rows after a removed one move up. A `Motor` no longer drives them, and
-        `ThermalWalls` leave them out.
+        In the columns, the rows after a removed one move up. A `Motor` no longer drives them, and `ThermalWalls` leave
+        them out.
 
         Parameters
         ----------
@@ -4506,29 +2423,11 @@ class Walls(_Queries):
         IdError
             If an id does not exist; then none is removed.
         ValueError
-            If an id is given twice; then none is removed.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(walls=[((0, 0), (5, 0)), ((5, 0), (5, 5))])
-        >>> world.walls.remove(world.walls.ids)
-        >>> len(world.walls)
-        0
-        """
-    def set(
-        self,
-        ids: ArrayLike,
-        *,
-        segments: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
-        friction: ArrayLike | None = None,
-        restitution: ArrayLike | None = None,
-        sensors: ArrayLike | None = None,
-        one_way: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-    ) -> None:
+            If an id is given twice; then none is removed."""
+    def set(self, ids: ArrayLike, *, segments: ArrayLike | None = None, velocities: ArrayLike | None = None,
+            friction: ArrayLike | None = None, restitution: ArrayLike | None = None, sensors: ArrayLike | None = None,
+            one_way: ArrayLike | None = None, categories: ArrayLike | None = None,
+            masks: ArrayLike | None = None) -> None:
         """Change some columns of some walls.
 
         Columns that are omitted stay the same.
@@ -4555,16 +2454,7 @@ class Walls(_Queries):
         IdError
             If an id does not exist; then nothing is changed.
         TypeError, ValueError
-            As by `add`, or if an id is given twice; then nothing is changed.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(walls=[((0, 0), (5, 0)), ((5, 0), (5, 5))])
-        >>> world.walls.set([0, 1], friction=[0.5, None], velocities=(0, 1))
-        >>> world.walls.friction
-        array([0.5, nan], dtype=float32)
-        """
+            As by `add`, or if an id is given twice; then nothing is changed."""
     @overload
     def get(self, ids: _Id) -> Wall:
         """Read all columns of one wall or some.
@@ -4577,26 +2467,15 @@ class Walls(_Queries):
         Returns
         -------
         WallColumns or Wall
-            Copies of the columns by the names of the arguments of `add`, with a row for each id; single
-            values for one id. NaN in `friction` and `restitution` stands for that of the particle.
+            Copies of the columns by the names of the arguments of `add`, with a row for each id; single values for one
+            id. NaN in `friction` and `restitution` stands for that of the particle.
 
         Raises
         ------
         TypeError
             If `ids` does not hold integers.
         IdError
-            If no wall has an id.
-
-        Examples
-        --------
-        A copy of wall 0, in another place:
-
-        >>> import jostle
-        >>> world = jostle.World(walls=[((0, 0), (5, 0))])
-        >>> copy = world.walls.get(0).to_dict() | {"segments": ((0, 9), (5, 9))}
-        >>> world.walls.add(**copy)
-        1
-        """
+            If no wall has an id."""
     @overload
     def get(self, ids: _IdList) -> WallColumns: ...
     @overload
@@ -4620,16 +2499,7 @@ class Walls(_Queries):
         TypeError
             If `ids` does not hold integers.
         IdError
-            If no wall has an id.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World(walls=[((0, 0), (5, 0)), ((5, 0), (5, 5))])
-        >>> world.walls.remove(0)
-        >>> world.walls.rows(1)
-        0
-        """
+            If no wall has an id."""
     @overload
     def rows(self, ids: _IdList | Sequence[_IdList]) -> _Ids: ...
     @overload
@@ -4638,104 +2508,124 @@ class Walls(_Queries):
     def ids(self) -> _Ids:
         """The ids of all walls, ascending: ndarray of int64, shape (m,), a read-only copy.
 
-        The wall in row k of every column has the id ``ids[k]``. ``id in world.walls`` is True if a wall
-        has the id.
-        """
+        The wall in row k of every column has the id ``ids[k]``. ``id in world.walls`` is True if a wall has the id."""
     @property
     def segments(self) -> NDArray[np.float32]:
         """The ends of the walls: ndarray of float32, shape (m, 2, 2), a read-only copy in units of length.
 
-        To move all walls, assign an array of this shape. A segment that is the present one in float32
-        keeps what rounding removed while the wall moved.
-        """
+        To move all walls, assign an array of this shape. A segment that is the present one in float32 keeps what
+        rounding removed while the wall moved."""
     @segments.setter
     def segments(self, value: ArrayLike) -> None: ...
     @property
     def velocities(self) -> NDArray[np.float32]:
         """Velocities: ndarray of float32, shape (m, 2), a read-only copy in units of length per second.
 
-        A wall moves with its velocity in each step, so that `segments` has its new ends: pistons, paddles,
-        lifts. To change all, assign an array or one vector; to change some, use `set`.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> world = jostle.World([(4, 0)], 1.0)
-        >>> piston = world.walls.add(((0, -2), (0, 2)), velocities=(2, 0))
-        >>> world.step(0.5, steps=4)  # they touch after 1.5 seconds
-        >>> world.velocities, world.walls.segments[:, 0]
-        (array([[4., 0.]], dtype=float32), array([[ 4., -2.]], dtype=float32))
-        """
+        A wall moves with its velocity in each step, so that `segments` has its new ends: pistons, paddles, lifts. To
+        change all, assign an array or one vector; to change some, use `set`."""
     @velocities.setter
     def velocities(self, value: ArrayLike) -> None: ...
     @property
     def friction(self) -> NDArray[np.float32]:
         """Coefficients of friction: ndarray of float32, shape (m,), a read-only copy.
 
-        NaN stands for the coefficient of the particle. To change all, assign an array, one number, or None
-        for NaN.
-        """
+        NaN stands for the coefficient of the particle. To change all, assign an array, one number, or None for NaN."""
     @friction.setter
     def friction(self, value: ArrayLike | None) -> None: ...
     @property
     def restitution(self) -> NDArray[np.float32]:
         """Coefficients of restitution, 0 to 1: ndarray of float32, shape (m,), a read-only copy.
 
-        NaN stands for the coefficient of the particle. To change all, assign an array, one number, or None
-        for NaN.
-        """
+        NaN stands for the coefficient of the particle. To change all, assign an array, one number, or None for NaN."""
     @restitution.setter
     def restitution(self, value: ArrayLike | None) -> None: ...
     @property
     def sensors(self) -> NDArray[np.bool_]:
         """Which walls are sensors, which stop no particle: ndarray of bool, shape (m,), a read-only copy.
 
-        `World.wall_events` has the particles that touch them. To change all, assign an array or one bool.
-        """
+        `World.wall_events` has the particles that touch them. To change all, assign an array or one bool."""
     @sensors.setter
     def sensors(self, value: ArrayLike) -> None: ...
     @property
     def one_way(self) -> NDArray[np.bool_]:
-        """Which walls stop only what comes from the left of start → end: ndarray of bool, shape (m,), a read-only
-        copy.
+        """Which walls stop only what comes from the left of start → end: ndarray of bool, shape (m,), a read-only copy.
 
-        To change all, assign an array or one bool.
-
-        Examples
-        --------
-        A platform that a particle flies through on its way up, and lands on:
-
-        >>> import jostle
-        >>> world = jostle.World([(0, -2)], 1.0, velocities=(0, 9), gravity=(0, -10), restitution=0.25)
-        >>> platform = world.walls.add(((-3, 0), (3, 0)), one_way=True)
-        >>> world.step(1 / 60, steps=240)
-        >>> world.positions.round(3)
-        array([[0., 1.]], dtype=float32)
-        """
+        To change all, assign an array or one bool."""
     @one_way.setter
     def one_way(self, value: ArrayLike) -> None: ...
     @property
     def categories(self) -> NDArray[np.uint32]:
         """Categories: ndarray of uint32, shape (m,), a read-only copy of bit sets.
 
-        To change all, assign an array or one number.
-        """
+        To change all, assign an array or one number."""
     @categories.setter
     def categories(self, value: ArrayLike) -> None: ...
     @property
     def masks(self) -> NDArray[np.uint32]:
-        """Masks: ndarray of uint32, shape (m,), a read-only copy of bit sets of the categories that each wall
-        may touch.
+        """Masks: ndarray of uint32, shape (m,), a read-only copy of bit sets of the categories that each wall may
+        touch.
 
-        To change all, assign an array or one number.
-        """
+        To change all, assign an array or one number."""
     @masks.setter
     def masks(self, value: ArrayLike) -> None: ...
-    def __len__(self) -> int: ...
     def __contains__(self, id: object, /) -> bool: ...
 
+@type_check_only
+class _Value:
+    """What all containers and forces have: values that are compared by what they contain."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
+
+@type_check_only
+class _Region(_Value):
+    """What both containers have."""
+
+    @property
+    def area(self) -> float:
+        """Its area."""
+    @property
+    def restitution(self) -> _Coefficient:
+        """Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
+        particle."""
+    @property
+    def friction(self) -> _Coefficient:
+        """Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
+        particle."""
+    @overload
+    def contains(self, points: _Point) -> bool:
+        """Whether points lie inside or on the sides.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 2), or (2,) for one point
+            In units of length.
+
+        Returns
+        -------
+        ndarray of bool, shape (k,), or bool
+            For each point, or for the only one."""
+    @overload
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
+    def clip(self, points: ArrayLike, margin: _Number = 0.0) -> NDArray[np.float64]:
+        """Return the nearest places inside.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 2), or (2,) for one point
+            In units of length.
+        margin : float, default 0.0
+            The distance from the sides that is kept, as the radius of discs. If there is not so much room, the place is
+            in the middle.
+
+        Returns
+        -------
+        ndarray of float64, shape (k, 2), or (2,) for one point
+            The points that are inside already are as they were."""
+
 @final
-class Box:
+class Box(_Region):
     """Four walls around a rectangle: a container of a `World`.
 
     It is not a shape. Rectangles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
@@ -4745,42 +2635,20 @@ class Box:
     min_x, min_y, max_x, max_y : float
         Its sides, in units of length; min below max. Stored as float32.
     restitution, friction : array_like, a number or shape (4,), optional
-        Coefficients of the sides at min x, max x, min y and max y. A contact
-        has the square root of the product with that of the particle; None, for all or for one side,
-        is that of the particle.
+        Coefficients of the sides at min x, max x, min y and max y. A contact has the square root of the product with
+        that of the particle; None, for all or for one side, is that of the particle.
 
     Raises
     ------
     TypeError
         If an argument is not a number.
     ValueError
-        If a side is not finite or min is not below max.
-
-    See Also
-    --------
-    Circle : Another container.
-    World.walls : Line segments anywhere.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> jostle.Box(0, 0, 800, 500).max_x
-    800.0
-    >>> jostle.Box(0, 0, 800, 500) == jostle.Box(0.0, 0.0, 800.0, 500.0)
-    True
-    """
+        If a side is not finite or min is not below max."""
 
     __match_args__: Final = ("min_x", "min_y", "max_x", "max_y")
-    def __new__(
-        cls,
-        min_x: _Number,
-        min_y: _Number,
-        max_x: _Number,
-        max_y: _Number,
-        *,
-        restitution: ArrayLike | Sequence[float | None] | None = None,
-        friction: ArrayLike | Sequence[float | None] | None = None,
-    ) -> Self: ...
+    def __new__(cls, min_x: _Number, min_y: _Number, max_x: _Number, max_y: _Number, *,
+            restitution: ArrayLike | Sequence[float | None] | None = None,
+            friction: ArrayLike | Sequence[float | None] | None = None) -> Self: ...
     @property
     def min_x(self) -> float:
         """Left side."""
@@ -4795,70 +2663,11 @@ class Box:
         """Bottom side where y grows downwards."""
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Left, top, right and bottom where y grows downwards: ndarray of float64, shape (4,), in the order
-        min x, min y, max x, max y, as the rows of `Space.bounds`.
-        """
-    @property
-    def area(self) -> float:
-        """Its area."""
-    @property
-    def restitution(self) -> _Coefficient:
-        """Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
-        particle.
-        """
-    @property
-    def friction(self) -> _Coefficient:
-        """Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
-        particle.
-        """
-    @overload
-    def contains(self, points: _Point) -> bool:
-        """Whether points lie inside or on the sides.
-
-        Parameters
-        ----------
-        points : array_like, shape (k, 2), or (2,) for one point
-            In units of length.
-
-        Returns
-        -------
-        ndarray of bool, shape (k,), or bool
-            For each point, or for the only one.
-
-        See Also
-        --------
-        clip : Moves points inside.
-        """
-    @overload
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
-    def clip(self, points: ArrayLike, margin: _Number = 0.0) -> NDArray[np.float64]:
-        """Return the nearest places inside.
-
-        Parameters
-        ----------
-        points : array_like, shape (k, 2), or (2,) for one point
-            In units of length.
-        margin : float, default 0.0
-            The distance from the sides that is kept, as the radius of discs. If there is not so much
-            room, the place is in the middle.
-
-        Returns
-        -------
-        ndarray of float64, shape (k, 2), or (2,) for one point
-            The points that are inside already are as they were.
-
-        See Also
-        --------
-        contains : Whether points are inside.
-        """
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(
-        self,
-    ) -> tuple[tuple[float, float, float, float], dict[str, _Coefficient]]: ...
+        """Left, top, right and bottom where y grows downwards: ndarray of float64, shape (4,), in the order min x, min
+        y, max x, max y, as the rows of `Space.bounds`."""
 
 @final
-class Circle:
+class Circle(_Region):
     """A circular wall: a container of a `World`.
 
     It is not a shape. Circles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
@@ -4870,36 +2679,19 @@ class Circle:
     radius : float
         Its radius, above 0. Stored as float32.
     restitution, friction : float, optional
-        Coefficients of its side. A contact has the square root of the product with that of the
-        particle; None is that of the particle.
+        Coefficients of its side. A contact has the square root of the product with that of the particle; None is that
+        of the particle.
 
     Raises
     ------
     TypeError
         If an argument does not hold numbers.
     ValueError
-        If a number is not finite or the radius not above 0.
-
-    See Also
-    --------
-    Box : Another container.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> jostle.Circle((400, 250), radius=240, restitution=0.5)
-    Circle((400.0, 250.0), 240.0, restitution=0.5)
-    """
+        If a number is not finite or the radius not above 0."""
 
     __match_args__: Final = ("center", "radius")
-    def __new__(
-        cls,
-        center: _Vectors,
-        radius: _Number,
-        *,
-        restitution: _Number | None = None,
-        friction: _Number | None = None,
-    ) -> Self: ...
+    def __new__(cls, center: _Vectors, radius: _Number, *, restitution: _Number | None = None,
+            friction: _Number | None = None) -> Self: ...
     @property
     def center(self) -> NDArray[np.float64]:
         """Its centre: ndarray of float64, shape (2,)."""
@@ -4909,83 +2701,24 @@ class Circle:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """The rectangle around it: ndarray of float64, shape (4,), in the order min x, min y, max x, max y."""
-    @property
-    def area(self) -> float:
-        """Its area."""
-    @property
-    def restitution(self) -> _Coefficient:
-        """Coefficient of restitution of its sides: a number, four numbers if they differ, or None for that of the
-        particle.
-        """
-    @property
-    def friction(self) -> _Coefficient:
-        """Coefficient of friction of its sides: a number, four numbers if they differ, or None for that of the
-        particle.
-        """
-    @overload
-    def contains(self, points: _Point) -> bool:
-        """Whether points lie inside or on the sides.
-
-        Parameters
-        ----------
-        points : array_like, shape (k, 2), or (2,) for one point
-            In units of length.
-
-        Returns
-        -------
-        ndarray of bool, shape (k,), or bool
-            For each point, or for the only one.
-
-        See Also
-        --------
-        clip : Moves points inside.
-        """
-    @overload
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
-    def clip(self, points: ArrayLike, margin: _Number = 0.0) -> NDArray[np.float64]:
-        """Return the nearest places inside.
-
-        Parameters
-        ----------
-        points : array_like, shape (k, 2), or (2,) for one point
-            In units of length.
-        margin : float, default 0.0
-            The distance from the sides that is kept, as the radius of discs. If there is not so much
-            room, the place is in the middle.
-
-        Returns
-        -------
-        ndarray of float64, shape (k, 2), or (2,) for one point
-            The points that are inside already are as they were.
-
-        See Also
-        --------
-        contains : Whether points are inside.
-        """
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(
-        self,
-    ) -> tuple[tuple[tuple[float, float], float], dict[str, _Coefficient]]: ...
 
 @final
-class Attractor:
+class Attractor(_Value):
     """A force towards a point or a particle.
 
-    An attracting particle is not accelerated by those that it attracts. On a torus the
-    force is towards the nearest image of the point.
+    An attracting particle is not accelerated by those that it attracts. On a torus the force is towards the nearest
+    image of the point.
 
     Parameters
     ----------
     point : array_like, shape (2,), optional
         The point, in units of length; or give `particle`.
     strength : float
-        Acceleration per unit of distance ("harmonic"), or G times the attracting
-        mass ("inverse_square"). If negative, the force is repulsive.
+        Acceleration per unit of distance ("harmonic"), or G times the attracting mass ("inverse_square"). If negative,
+        the force is repulsive.
     law : {"harmonic", "inverse_square"}, default "harmonic"
-        Acceleration is strength times distance, as in the article, or strength over
-        distance squared. In the second case the force within a particle's own radius is
-        that inside a homogeneous ball of that radius.
+        Acceleration is strength times distance, as in the article, or strength over distance squared. In the second
+        case the force within a particle's own radius is that inside a homogeneous ball of that radius.
     particle : int, optional
         Id of the attracting particle; if it is removed, the attractor is removed.
 
@@ -4996,34 +2729,12 @@ class Attractor:
     ValueError
         If a number is not finite, or there is no such law.
     IdError
-        When it is assigned to `World.forces`, if no particle has the id.
-
-    See Also
-    --------
-    Gravitation : Attraction between all particles.
-    World.apply_force : Forces from NumPy.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> pull = jostle.Attractor((0, 0), 4.0)
-    >>> world = jostle.World([(3, 0)], 1.0, forces=[pull])
-    >>> world.step(0.0078539816, steps=200)  # half a period, π/2 seconds
-    >>> world.positions.round(3)
-    array([[-3.,  0.]], dtype=float32)
-    >>> jostle.Attractor(particle=0, strength=9.0, law="inverse_square")
-    Attractor(None, 9.0, 'inverse_square', particle=0)
-    """
+        When it is assigned to `World.forces`, if no particle has the id."""
 
     __match_args__: Final = ("point", "strength", "law")
-    def __new__(
-        cls,
-        point: ArrayLike | _Vector | None = None,
-        strength: _Number | None = None,
-        law: Literal["harmonic", "inverse_square"] = "harmonic",
-        *,
-        particle: SupportsIndex | None = None,
-    ) -> Self: ...
+    def __new__(cls, point: ArrayLike | _Vector | None = None, strength: _Number | None = None,
+            law: Literal["harmonic", "inverse_square"] = "harmonic", *,
+            particle: SupportsIndex | None = None) -> Self: ...
     @property
     def point(self) -> tuple[float, float] | None:
         """The attracting point, (x, y); None if it is a particle."""
@@ -5032,22 +2743,18 @@ class Attractor:
         """Acceleration per unit of distance, or G times the attracting mass."""
     @property
     def law(self) -> Literal["harmonic", "inverse_square"]:
-        """ "harmonic" or "inverse_square"."""
+        """"harmonic" or "inverse_square"."""
     @property
     def particle(self) -> int | None:
         """Id of the attracting particle, or None."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Gravitation:
+class Gravitation(_Value):
     """Gravitation between all particles.
 
-    The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all
-    others; on a torus with minimum images. Many particles are summed by the Barnes-Hut
-    method on a quadtree, with an error of about half a percent for the default `theta`; few
-    are summed directly. Momentum is conserved.
+    The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all others; on a torus with minimum
+    images. Many particles are summed by the Barnes-Hut method on a quadtree, with an error of about half a percent for
+    the default `theta`; few are summed directly. Momentum is conserved.
 
     Parameters
     ----------
@@ -5056,36 +2763,15 @@ class Gravitation:
     softening : float, default 0.0
         Distance below which the force is reduced, in units of length.
     theta : float, default 0.5
-        A box is treated as one body if its diagonal divided by its distance is less; 0 to 1.
-        With 0 every pair is summed.
+        A box is treated as one body if its diagonal divided by its distance is less; 0 to 1. With 0 every pair is
+        summed.
 
     Raises
     ------
     TypeError
         If an argument is not a number.
     ValueError
-        If a number is out of range.
-
-    See Also
-    --------
-    Attractor : A central force without a reaction.
-
-    References
-    ----------
-    J. Barnes and P. Hut, *A hierarchical O(N log N) force-calculation algorithm*, Nature 324
-    (1986).
-
-    Examples
-    --------
-    >>> import jostle
-    >>> pull = jostle.Gravitation(1.0)
-    >>> world = jostle.World(
-    ...     [(-2, 0), (2, 0)], .1, velocities=[(0, -.25), (0, .25)], masses=1.0, forces=[pull]
-    ... )
-    >>> world.step(0.1, steps=100)
-    >>> [abs(round(p, 5)) for p in world.momentum().tolist()]
-    [0.0, 0.0]
-    """
+        If a number is out of range."""
 
     __match_args__: Final = ("G", "softening", "theta")
     def __new__(cls, G: _Number, softening: _Number = 0.0, theta: _Number = 0.5) -> Self: ...
@@ -5098,21 +2784,17 @@ class Gravitation:
     @property
     def theta(self) -> float:
         """Diagonal divided by distance below which a box is treated as one body."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Springs:
+class Springs(_Value):
     """Springs between pairs of particles.
 
-    The force of each spring is stiffness times stretch plus damping times the rate of
-    lengthening. Stiff springs are integrated in parts of a sub-step, whose number is limited;
-    the stiffness is reduced if more would be necessary. Where discs with stiff springs touch
-    anything, the springs are solved together with the contacts: then bodies rest at any stiffness,
-    but their oscillations lose energy. Springs are stiff for a disc if their stiffness in all,
-    divided by its mass and times the square of the sub-step, is more than 1.45. If one of its ends is
-    removed, a spring is removed too.
+    The force of each spring is stiffness times stretch plus damping times the rate of lengthening. Stiff springs are
+    integrated in parts of a sub-step, whose number is limited; the stiffness is reduced if more would be necessary.
+    Where discs with stiff springs touch anything, the springs are solved together with the contacts: then bodies rest
+    at any stiffness, but their oscillations lose energy. Springs are stiff for a disc if their stiffness in all,
+    divided by its mass and times the square of the sub-step, is more than 1.45. If one of its ends is removed, a spring
+    is removed too.
 
     Parameters
     ----------
@@ -5125,8 +2807,7 @@ class Springs:
     damping : array_like, a number or shape (m,), default 0.0
         Force per unit of speed.
     max_stretch : array_like, a number or shape (m,), optional
-        Stretch beyond which a spring breaks at the end of a step, in units of length. If
-        omitted, none breaks.
+        Stretch beyond which a spring breaks at the end of a step, in units of length. If omitted, none breaks.
 
     Raises
     ------
@@ -5135,33 +2816,11 @@ class Springs:
     ValueError
         If a shape is wrong or a number is out of range; the message says which.
     IdError
-        When it is assigned to `World.forces`, if no particle has an id.
-
-    See Also
-    --------
-    Attractor : A force towards a point.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> tie = jostle.Springs([(0, 1)], lengths=2.0, stiffness=40.0, damping=4.0)
-    >>> world = jostle.World([(0, 0), (3, 0)], 0.5, masses=1.0, forces=[tie])
-    >>> world.step(0.01, steps=500)
-    >>> world.positions.round(3)
-    array([[0.5, 0. ],
-           [2.5, 0. ]], dtype=float32)
-    """
+        When it is assigned to `World.forces`, if no particle has an id."""
 
     __match_args__: Final = ("pairs", "lengths", "stiffness")
-    def __new__(
-        cls,
-        pairs: ArrayLike,
-        lengths: ArrayLike,
-        stiffness: ArrayLike,
-        *,
-        damping: ArrayLike = 0.0,
-        max_stretch: ArrayLike | None = None,
-    ) -> Self: ...
+    def __new__(cls, pairs: ArrayLike, lengths: ArrayLike, stiffness: ArrayLike, *, damping: ArrayLike = 0.0,
+            max_stretch: ArrayLike | None = None) -> Self: ...
     @property
     def pairs(self) -> _Pairs:
         """Ids of the ends: read-only ndarray of int64, shape (m, 2)."""
@@ -5176,86 +2835,54 @@ class Springs:
         """Force per unit of speed: read-only ndarray of float32, shape (m,)."""
     @property
     def max_stretch(self) -> NDArray[np.float32]:
-        """Stretch beyond which each breaks: read-only ndarray of float32, shape (m,); infinite if it
-        never breaks.
-        """
+        """Stretch beyond which each breaks: read-only ndarray of float32, shape (m,); infinite if it never breaks."""
     def __len__(self) -> int: ...
-    def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class PairForce:
+class PairForce(_Value):
     """Forces between kinds of particles within a cutoff.
 
-    The force on a particle of kind a by one of kind b is a function of their distance. It is given
-    at m equally spaced distances from 0 to `cutoff`, and linear between. The forces on each other
-    need not be equal and opposite. The constructors `particle_life`, `lennard_jones` and
-    `soft_discs` make well-known tables.
+    The force on a particle of kind a by one of kind b is a function of their distance. It is given at m equally spaced
+    distances from 0 to `cutoff`, and linear between. The forces on each other need not be equal and opposite. The
+    constructors `particle_life`, `lennard_jones` and `soft_discs` make well-known tables.
 
     Parameters
     ----------
     table : array_like, shape (K, K, m)
-        ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``.
-        It is positive if kind a is repelled. K is at most 64, m at least 2.
+        ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``. It is positive if
+        kind a is repelled. K is at most 64, m at least 2.
     cutoff : float
-        Distance from which there is no force, in units of length. On a torus at most half of each
-        side.
+        Distance from which there is no force, in units of length. On a torus at most half of each side.
     damping : float, default 0.0
-        Force that resists a relative speed of 1 along the line between two particles, at distance 0;
-        at the distance d it is ``damping * (1 - d / cutoff)**2``.
+        Force that resists a relative speed of 1 along the line between two particles, at distance 0; at the distance d
+        it is ``damping * (1 - d / cutoff)**2``.
 
     Raises
     ------
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a shape is wrong or a number is out of range. When it is assigned to `World.forces`, also if
-        the table does not have the kind of a particle, or the cutoff is too large for the torus.
-
-    See Also
-    --------
-    Flocking : Another force between neighbours.
-    Gravitation : A force without a cutoff.
+        If a shape is wrong or a number is out of range. When it is assigned to `World.forces`, also if the table does
+        not have the kind of a particle, or the cutoff is too large for the torus.
 
     Notes
     -----
-    Kinds belong to the particles: `World.kinds` has them, and they are the same for all `PairForce` of
-    a world. Merged particles have the kind of the heaviest. The forces act at the positions in the
-    middle of a sub-step (leapfrog), the damping with the velocities at its beginning. If no other
-    force acts and nothing rests, a step has one sub-step; choose the length of a step for the
-    steepest force, or more `World.substeps`. `World.potential_energy` includes forces that are
-    equal and opposite for all kinds.
-
-    Examples
-    --------
-    Kind 0 follows kind 1, which flees:
-
-    >>> import jostle
-    >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
-    >>> force = jostle.PairForce(table, cutoff=5.0)
-    >>> world = jostle.World([(0, 0), (2, 0)], 0.1, masses=1.0, kinds=[0, 1], forces=[force])
-    >>> world.step(0.1, steps=10)
-    >>> world.velocities.round(3)
-    array([[1., 0.],
-           [1., 0.]], dtype=float32)
-    """
+    Kinds belong to the particles: `World.kinds` has them, and they are the same for all `PairForce` of a world. Merged
+    particles have the kind of the heaviest. The forces act at the positions in the middle of a sub-step (leapfrog), the
+    damping with the velocities at its beginning. If no other force acts and nothing rests, a step has one sub-step;
+    choose the length of a step for the steepest force, or more `World.substeps`. `World.potential_energy` includes
+    forces that are equal and opposite for all kinds."""
 
     __match_args__: Final = ("table", "cutoff")
     def __new__(cls, table: ArrayLike, cutoff: _Number, *, damping: _Number = 0.0) -> Self: ...
     @staticmethod
-    def particle_life(
-        matrix: ArrayLike,
-        cutoff: _Number,
-        core: _Number = 0.3,
-        *,
-        strength: _Number = 1.0,
-    ) -> PairForce:
+    def particle_life(matrix: ArrayLike, cutoff: _Number, core: _Number = 0.3, *, strength: _Number = 1.0) -> PairForce:
         """Particle life: kinds attract and repel each other, not always mutually.
 
-        Within ``core * cutoff`` all particles repel each other, with the force `strength` at
-        distance 0. From there to the cutoff, kind a is attracted by kind b with the force
-        ``matrix[a, b] * strength`` in the middle, which decreases to 0 on both sides.
+        Within ``core * cutoff`` all particles repel each other, with the force `strength` at distance 0. From there to
+        the cutoff, kind a is attracted by kind b with the force ``matrix[a, b] * strength`` in the middle, which
+        decreases to 0 on both sides.
 
         Parameters
         ----------
@@ -5278,27 +2905,15 @@ class PairForce:
         TypeError, ValueError
             As for `PairForce`.
 
-        See Also
-        --------
-        jostle.life : Matrices with interesting results.
-
         Notes
         -----
-        The forces are not conservative, so the world needs a `drag`.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> force = jostle.PairForce.particle_life([[1, -0.5], [0.5, 1]], cutoff=4.0)
-        >>> force.table.shape
-        (2, 2, 21)
-        """
+        The forces are not conservative, so the world needs a `drag`."""
     @staticmethod
     def lennard_jones(epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number) -> PairForce:
         """The Lennard-Jones force, truncated at the cutoff.
 
-        The potential energy is ``4 * epsilon * ((sigma / d)**12 - (sigma / d)**6)``, shifted to 0 at
-        the cutoff. Below ``sigma / 2`` the force is that at ``sigma / 2``.
+        The potential energy is ``4 * epsilon * ((sigma / d)**12 - (sigma / d)**6)``, shifted to 0 at the cutoff. Below
+        ``sigma / 2`` the force is that at ``sigma / 2``.
 
         Parameters
         ----------
@@ -5319,34 +2934,12 @@ class PairForce:
         TypeError, ValueError
             As for `PairForce`.
 
-        See Also
-        --------
-        World.potential_energy : The sum of these potentials, among others.
-
         Notes
         -----
-        With sub-steps of ``0.002 * sigma * sqrt(m / epsilon)`` seconds the energy of a fluid varies by
-        less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not
-        also collide as discs.
-
-        References
-        ----------
-        J. E. Jones, *On the determination of molecular fields II*, Proceedings of the Royal Society A
-        106, 463 (1924).
-
-        Examples
-        --------
-        >>> import jostle
-        >>> force = jostle.PairForce.lennard_jones(epsilon=1.0, sigma=1.0, cutoff=2.5)
-        >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
-        >>> world = jostle.World(apart, 0.1, on_touch="ignore", forces=[force])
-        >>> round(world.potential_energy(), 3)
-        -0.984
-        """
+        With sub-steps of ``0.002 * sigma * sqrt(m / epsilon)`` seconds the energy of a fluid varies by less than 0.1 %
+        of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not also collide as discs."""
     @staticmethod
-    def soft_discs(
-        stiffness: ArrayLike, diameters: ArrayLike, *, damping: _Number = 0.0
-    ) -> PairForce:
+    def soft_discs(stiffness: ArrayLike, diameters: ArrayLike, *, damping: _Number = 0.0) -> PairForce:
         """Soft discs, which repel each other with a force proportional to their overlap.
 
         Parameters
@@ -5366,20 +2959,7 @@ class PairForce:
         Raises
         ------
         TypeError, ValueError
-            As for `PairForce`.
-
-        See Also
-        --------
-        separate : Moves shapes apart without forces.
-
-        Examples
-        --------
-        >>> import jostle
-        >>> force = jostle.PairForce.soft_discs(stiffness=100.0, diameters=2.0)
-        >>> world = jostle.World([(0, 0), (1, 0)], 1, on_touch="ignore", forces=[force])
-        >>> world.potential_energy()
-        50.0
-        """
+            As for `PairForce`."""
     @property
     def table(self) -> NDArray[np.float32]:
         """The forces: read-only ndarray of float32, shape (K, K, m)."""
@@ -5391,26 +2971,21 @@ class PairForce:
         """Force that resists a relative speed of 1 at distance 0."""
     @property
     def reciprocal(self) -> bool:
-        """Whether all kinds act on each other with equal and opposite forces, so that momentum is
-        conserved: bool.
-        """
-    def __eq__(self, other: object, /) -> bool: ...
+        """Whether all kinds act on each other with equal and opposite forces, so that momentum is conserved: bool."""
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Flocking:
+class Flocking(_Value):
     """Flocking: separation, alignment and cohesion.
 
-    The neighbours of a particle are those nearer than `cutoff`. Its acceleration is the mean over
-    these of ``separation * (1 - d / cutoff)`` away from each, ``alignment`` times the difference of
-    velocities, and ``cohesion`` times the offset. Forces keep the speed within limits.
+    The neighbours of a particle are those nearer than `cutoff`. Its acceleration is the mean over these of
+    ``separation * (1 - d / cutoff)`` away from each, ``alignment`` times the difference of velocities, and ``cohesion``
+    times the offset. Forces keep the speed within limits.
 
     Parameters
     ----------
     cutoff : float
-        Distance below which particles are neighbours, in units of length. On a torus at most half of
-        each side.
+        Distance below which particles are neighbours, in units of length. On a torus at most half of each side.
     separation : float
         Acceleration away from a neighbour at distance 0, at least 0.
     alignment : float
@@ -5427,50 +3002,16 @@ class Flocking:
     TypeError
         If an argument is not a number.
     ValueError
-        If a number is out of range. When it is assigned to `World.forces`, also if the cutoff is too
-        large for the torus.
-
-    See Also
-    --------
-    PairForce : Forces between kinds of particles.
+        If a number is out of range. When it is assigned to `World.forces`, also if the cutoff is too large for the
+        torus.
 
     Notes
     -----
-    The limits of the speed hold for the sum of all accelerations but gravity. Momentum and energy
-    are not conserved.
+    The limits of the speed hold for the sum of all accelerations but gravity. Momentum and energy are not conserved."""
 
-    References
-    ----------
-    C. W. Reynolds, *Flocks, herds and schools: a distributed behavioral model*, SIGGRAPH (1987).
-
-    Examples
-    --------
-    >>> import jostle
-    >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
-    >>> world = jostle.World([(0, 0), (0, 2)], 0.1, velocities=[(1, 0), (3, 0)], forces=[birds])
-    >>> world.step(0.1, steps=100)
-    >>> world.velocities.round(3)
-    array([[2., 0.],
-           [2., 0.]], dtype=float32)
-    """
-
-    __match_args__: Final = (
-        "cutoff",
-        "separation",
-        "alignment",
-        "cohesion",
-        "max_speed",
-        "min_speed",
-    )
-    def __new__(
-        cls,
-        cutoff: _Number,
-        separation: _Number,
-        alignment: _Number,
-        cohesion: _Number,
-        max_speed: _Number,
-        min_speed: _Number = 0.0,
-    ) -> Self: ...
+    __match_args__: Final = ("cutoff", "separation", "alignment", "cohesion", "max_speed", "min_speed")
+    def __new__(cls, cutoff: _Number, separation: _Number, alignment: _Number, cohesion: _Number, max_speed: _Number,
+            min_speed: _Number = 0.0) -> Self: ...
     @property
     def cutoff(self) -> float:
         """Distance below which particles are neighbours, in units of length."""
@@ -5489,18 +3030,15 @@ class Flocking:
     @property
     def min_speed(self) -> float:
         """Lower limit of the speed of particles that move."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Grab:
+class Grab(_Value):
     """A force that pulls a particle to a point, for instance to the mouse.
 
-    It is a critically damped spring from the centre of the particle to the point. A particle at rest
-    does not move beyond the point, at any length of a step. One that has a velocity, or whose force is
-    limited by `max_force`, may. The particle collides as others do; `max_force` limits what it can push
-    or lift. In a periodic world the force is towards the nearest image of the point.
+    It is a critically damped spring from the centre of the particle to the point. A particle at rest does not move
+    beyond the point, at any length of a step. One that has a velocity, or whose force is limited by `max_force`, may.
+    The particle collides as others do; `max_force` limits what it can push or lift. In a periodic world the force is
+    towards the nearest image of the point.
 
     Parameters
     ----------
@@ -5509,9 +3047,8 @@ class Grab:
     point : array_like, shape (2,)
         Where the particle is pulled to, in units of length.
     rate : float
-        Speed of the approach, per second, at least 0. For short sub-steps a particle that starts at
-        rest at the distance d is at the distance ``d * (1 + rate * t) * exp(-rate * t)`` after t
-        seconds.
+        Speed of the approach, per second, at least 0. For short sub-steps a particle that starts at rest at the
+        distance d is at the distance ``d * (1 + rate * t) * exp(-rate * t)`` after t seconds.
     max_force : float, default inf
         Limit of the force, at least 0, in units of mass times length per second squared.
 
@@ -5524,38 +3061,15 @@ class Grab:
     IdError
         When it is assigned to `World.forces`, if no particle has the id.
 
-    See Also
-    --------
-    Attractor : A force on all particles.
-    World.query_point : Finds the particle under the mouse.
-
     Notes
     -----
-    Assign a new `Grab` to `World.forces` in each frame. If only grabs change, only the islands of the
-    grabbed particles wake, and resting contacts keep their impulses. Under gravity g the particle
-    rests below the point by ``g * (1 + rate * h)**2 / rate**2``, where h is the length of a sub-step.
-    Immovable particles do not move.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> world = jostle.World([(0, 0)], 1.0)
-    >>> world.forces = [jostle.Grab(0, (4, 0), rate=20)]
-    >>> world.step(1 / 60, steps=60)
-    >>> world.positions.round(3)
-    array([[4., 0.]], dtype=float32)
-    >>> world.forces = []  # it is released
-    """
+    Assign a new `Grab` to `World.forces` in each frame. If only grabs change, only the islands of the grabbed particles
+    wake, and resting contacts keep their impulses. Under gravity g the particle rests below the point by
+    ``g * (1 + rate * h)**2 / rate**2``, where h is the length of a sub-step. Immovable particles do not move."""
 
     __match_args__: Final = ("id", "point")
-    def __new__(
-        cls,
-        id: SupportsIndex,
-        point: _Point | _Array,
-        *,
-        rate: _Number,
-        max_force: _Number = math.inf,
-    ) -> Self: ...
+    def __new__(cls, id: SupportsIndex, point: _Point | _Array, *, rate: _Number,
+            max_force: _Number = math.inf) -> Self: ...
     @property
     def id(self) -> int:
         """Id of the particle."""
@@ -5568,17 +3082,14 @@ class Grab:
     @property
     def max_force(self) -> float:
         """Limit of the force."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Motor:
+class Motor(_Value):
     """A prescribed motion of immovable particles and walls.
 
-    They rotate about a pivot and move with a velocity, for example as the paddles of a mill, the
-    flippers of a pinball table or a piston. With a `cycle` the motion is reversed in its second
-    half. They push other particles and are not pushed. A motor is one of the `World.forces`.
+    They rotate about a pivot and move with a velocity, for example as the paddles of a mill, the flippers of a pinball
+    table or a piston. With a `cycle` the motion is reversed in its second half. They push other particles and are not
+    pushed. A motor is one of the `World.forces`.
 
     Parameters
     ----------
@@ -5587,8 +3098,7 @@ class Motor:
     walls : array_like of int, shape (m,), optional
         Ids of the walls. Walls do not rotate.
     pivot : array_like, shape (2,), optional
-        The centre of the rotation, in units of length. It moves with `velocity`. A motor that only
-        moves needs none.
+        The centre of the rotation, in units of length. It moves with `velocity`. A motor that only moves needs none.
     angular_velocity : float, default 0.0
         In radians per second, positive from +x to +y.
     velocity : array_like, shape (2,), default (0.0, 0.0)
@@ -5601,59 +3111,25 @@ class Motor:
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is
-        not 0 for walls or without a `pivot`. When it is assigned to `World.forces`, also if a
-        particle is movable, or another motor drives the same particle or wall.
+        If a number is out of range, a particle or a wall is given twice, or `angular_velocity` is not 0 for walls or
+        without a `pivot`. When it is assigned to `World.forces`, also if a particle is movable, or another motor drives
+        the same particle or wall.
     IdError
         When it is assigned to `World.forces`, if a particle or a wall does not exist.
 
-    See Also
-    --------
-    World.walls : The walls, with their ids.
-
     Notes
     -----
-    The motion is a function of `World.time`. At the beginning of each step the motor sets the
-    velocities that lead to the position at its end. On a circle a step is a chord, so the angle per
-    step should be small. Particles and walls that are moved between calls continue from their new
-    position.
+    The motion is a function of `World.time`. At the beginning of each step the motor sets the velocities that lead to
+    the position at its end. On a circle a step is a chord, so the angle per step should be small. Particles and walls
+    that are moved between calls continue from their new position.
 
-    The time is that of the world, not that since the motor was assigned: with a `cycle` one that is
-    assigned at the time t begins in the phase ``t % cycle``. Particles and walls keep the velocity of
-    the last step when their motor is taken out of `World.forces`; set their velocities to 0 to stop
-    them.
-
-    Examples
-    --------
-    A paddle of four discs that rotates twice per second:
-
-    >>> import jostle, math
-    >>> world = jostle.World([(x, 1) for x in (2, 3, 4, 5)], 0.5, movable=False)
-    >>> world.forces = [jostle.Motor(world.ids, pivot=(1, 1), angular_velocity=4 * math.pi)]
-    >>> world.step(1 / 80, steps=10)
-    >>> world.positions[3].round(4).tolist()
-    [1.0, 5.0]
-
-    A piston that moves to the right for two seconds, then back:
-
-    >>> world = jostle.World([(5, 5)], 1.0, walls=[((1, 0), (1, 10))])
-    >>> world.forces = [jostle.Motor(walls=[0], velocity=(0.5, 0), cycle=4)]
-    >>> world.step(1 / 60, steps=120)
-    >>> world.walls.get(0).segments.round(4).tolist()
-    [[2.0, 0.0], [2.0, 10.0]]
-    """
+    The time is that of the world, not that since the motor was assigned: with a `cycle` one that is assigned at the
+    time t begins in the phase ``t % cycle``. Particles and walls keep the velocity of the last step when their motor is
+    taken out of `World.forces`; set their velocities to 0 to stop them."""
 
     __match_args__: Final = ("ids",)
-    def __new__(
-        cls,
-        ids: ArrayLike | None = None,
-        *,
-        walls: ArrayLike | None = None,
-        pivot: _Point | None = None,
-        angular_velocity: float = 0.0,
-        velocity: _Point = (0.0, 0.0),
-        cycle: float | None = None,
-    ) -> Self: ...
+    def __new__(cls, ids: ArrayLike | None = None, *, walls: ArrayLike | None = None, pivot: _Point | None = None,
+            angular_velocity: float = 0.0, velocity: _Point = (0.0, 0.0), cycle: float | None = None) -> Self: ...
     @property
     def ids(self) -> _Ids:
         """Ids of the particles that it drives: read-only ndarray of int64, shape (k,)."""
@@ -5672,17 +3148,14 @@ class Motor:
     @property
     def cycle(self) -> float | None:
         """Seconds of the motion there and back; None if it is not reversed."""
-    def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Thermostat:
+class Thermostat(_Value):
     """Walls that heat or cool the particles that bounce off them.
 
-    Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in
-    the article's lesson about gases. A world has at most one `Thermostat`. The speeds do not reach
-    the Maxwell distribution, see `ThermalWalls`.
+    Every bounce off a wall changes a particle's speed s to s + rate (speed - s), as in the article's lesson about
+    gases. A world has at most one `Thermostat`. The speeds do not reach the Maxwell distribution, see `ThermalWalls`.
 
     Parameters
     ----------
@@ -5696,23 +3169,7 @@ class Thermostat:
     TypeError
         If an argument is not a number.
     ValueError
-        If a number is out of range.
-
-    See Also
-    --------
-    ThermalWalls : Sides of the container with a temperature.
-    AndersenThermostat : A heat bath for all particles.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> warm = jostle.Thermostat(speed=3.0, rate=0.5)
-    >>> box = jostle.Box(0, 0, 10, 10)
-    >>> world = jostle.World([(5, 5)], 1.0, velocities=[(1, 0)], container=box, forces=[warm])
-    >>> world.step(0.1, steps=60)  # it bounces off the right wall after four seconds
-    >>> world.velocities
-    array([[-2.,  0.]], dtype=float32)
-    """
+        If a number is out of range."""
 
     __match_args__: Final = ("speed", "rate")
     def __new__(cls, speed: _Number, rate: _Number) -> Self: ...
@@ -5722,32 +3179,28 @@ class Thermostat:
     @property
     def rate(self) -> float:
         """Relative change by one bounce, 0 to 1."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class ThermalWalls:
+class ThermalWalls(_Value):
     """Sides of the container, and walls, with a temperature.
 
-    A particle that hits such a wall leaves it with the velocity of a particle that enters through
-    it from a gas in equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the
-    velocity along the wall is normally distributed with the variance kT/m. A gas between such walls
-    reaches their temperature and the Maxwell distribution; between different temperatures there is
-    a heat flow. The random numbers are functions of `seed`, the particle's state at the impact and
-    the time, so results have the same bits for every number of threads and every order of adding.
+    A particle that hits such a wall leaves it with the velocity of a particle that enters through it from a gas in
+    equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the velocity along the wall is normally
+    distributed with the variance kT/m. A gas between such walls reaches their temperature and the Maxwell distribution;
+    between different temperatures there is a heat flow. The random numbers are functions of `seed`, the particle's
+    state at the impact and the time, so results have the same bits for every number of threads and every order of
+    adding.
 
     Parameters
     ----------
     temperature : float
-        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
-        particle, in units of mass times length² per second².
+        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a particle, in units of mass
+        times length² per second².
     sides : Side or array_like of Side, shape (k,), optional
-        Sides of the container. If omitted, or all of `Side`, those that it has; if omitted and `walls` is
-        given, none.
+        Sides of the container. If omitted, or all of `Side`, those that it has; if omitted and `walls` is given, none.
     walls : int or array_like of int, shape (m,), optional
-        Ids of line segments of `World.walls`, which have the temperature on both sides. At a wall
-        that moves, the velocities are relative to it.
+        Ids of line segments of `World.walls`, which have the temperature on both sides. At a wall that moves, the
+        velocities are relative to it.
     seed : int, default 0
         Seed of the random numbers, below 2³².
 
@@ -5756,88 +3209,48 @@ class ThermalWalls:
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a number is out of range, or a side or a wall is given twice. When it is assigned to
-        `World.forces`, also if a wall has a temperature already, or the container does not have a
-        side. A change of `World.container` to one without it is refused, too.
+        If a number is out of range, or a side or a wall is given twice. When it is assigned to `World.forces`, also if
+        a wall has a temperature already, or the container does not have a side. A change of `World.container` to one
+        without it is refused, too.
     IdError
         When it is assigned to `World.forces`, if a wall does not exist.
 
-    See Also
-    --------
-    AndersenThermostat : A heat bath for all particles.
-    Thermostat : The article's rule, which does not lead to the Maxwell distribution.
-
     Notes
     -----
-    Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall,
-    are not heated: use coefficients of restitution of 1. `World.last_step` includes the change
-    along the normal.
-
-    References
-    ----------
-    R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*,
-    Physical Review E 57, R17 (1998).
-
-    Examples
-    --------
-    >>> import jostle
-    >>> hot = jostle.ThermalWalls(4.0, sides=jostle.Side.MIN_X)
-    >>> cold = jostle.ThermalWalls(1.0, sides=jostle.Side.MAX_X, seed=1)
-    >>> world = jostle.scenes.create("gas", n=100)
-    >>> world.forces = [hot, cold]
-    >>> world.step(1 / 60, steps=10)
-    >>> hot
-    ThermalWalls(4.0, sides=(Side.MIN_X,), seed=0)
-
-    A hot plate in the middle of the box:
-
-    >>> plate = world.walls.add(((5, 10), (15, 10)))
-    >>> world.forces = [jostle.ThermalWalls(9.0, walls=[plate])]
-    >>> world.step(1 / 60, steps=10)
-    """
+    Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall, are not
+    heated: use coefficients of restitution of 1. `World.last_step` includes the change along the normal."""
 
     __match_args__: Final = ("temperature",)
-    def __new__(
-        cls,
-        temperature: _Number,
-        *,
-        sides: ArrayLike | None = None,
-        walls: ArrayLike | None = None,
-        seed: SupportsIndex = 0,
-    ) -> Self: ...
+    def __new__(cls, temperature: _Number, *, sides: ArrayLike | None = None, walls: ArrayLike | None = None,
+            seed: SupportsIndex = 0) -> Self: ...
     @property
     def temperature(self) -> float:
         """Boltzmann's constant times the temperature."""
     @property
     def sides(self) -> tuple[Side, ...]:
-        """The sides of the container that have it: a tuple of `Side`. All of them stand for those that the
-        container has.
-        """
+        """The sides of the container that have it: a tuple of `Side`. All of them stand for those that the container
+        has."""
     @property
     def seed(self) -> int:
         """The seed of the random numbers."""
     @property
     def walls(self) -> tuple[int, ...]:
         """The ids of the walls that have it: a tuple of int."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class AndersenThermostat:
+class AndersenThermostat(_Value):
     """A heat bath that gives each particle a new velocity at random times.
 
-    At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt).
-    Each component of it is normally distributed with the variance kT/m. So the particles reach the
-    Maxwell distribution at this temperature (canonical ensemble); momentum and energy are not
-    conserved. The random numbers are functions of `seed`, the particle's state and the time, so
-    results have the same bits for every number of threads and every order of adding.
+    At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt). Each component of it
+    is normally distributed with the variance kT/m. So the particles reach the Maxwell distribution at this temperature
+    (canonical ensemble); momentum and energy are not conserved. The random numbers are functions of `seed`, the
+    particle's state and the time, so results have the same bits for every number of threads and every order of adding.
 
     Parameters
     ----------
     temperature : float
-        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
-        particle, in units of mass times length² per second².
+        Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a particle, in units of mass
+        times length² per second².
     rate : float
         Mean number of new velocities of a particle per second, at least 0.
     seed : int, default 0
@@ -5850,28 +3263,9 @@ class AndersenThermostat:
     ValueError
         If a number is out of range.
 
-    See Also
-    --------
-    ThermalWalls : Sides of the container with a temperature.
-
     Notes
     -----
-    A world has at most one. Angular velocities and immovable particles are not changed.
-
-    References
-    ----------
-    H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*,
-    Journal of Chemical Physics 72, 2384 (1980).
-
-    Examples
-    --------
-    >>> import jostle
-    >>> world = jostle.scenes.create("gas", n=1000)
-    >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
-    >>> world.step(1 / 60, steps=300)
-    >>> abs(world.kinetic_energy() / 1000 - 2.0) < 0.3
-    True
-    """
+    A world has at most one. Angular velocities and immovable particles are not changed."""
 
     __match_args__: Final = ("temperature", "rate", "seed")
     def __new__(cls, temperature: _Number, rate: _Number, seed: SupportsIndex = 0) -> Self: ...
@@ -5884,20 +3278,16 @@ class AndersenThermostat:
     @property
     def seed(self) -> int:
         """The seed of the random numbers."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 @final
-class Pump:
+class Pump(_Value):
     """A drain and a nozzle, as of a fountain: what is in the drain starts again from the nozzle.
 
-    At the beginning of each step a movable particle whose centre is in the drain is taken with the
-    probability 1 - exp(-rate dt). It keeps its id and all columns but position and velocity. It starts
-    somewhere along the width of the nozzle, and from there it has already flown for a random part of
-    the step, so a jet is as even with long steps as with short ones. The random numbers are functions
-    of `seed`, the particle's state and the time, so results have the same bits for every number of
-    threads and every order of adding.
+    At the beginning of each step a movable particle whose centre is in the drain is taken with the probability 1 -
+    exp(-rate dt). It keeps its id and all columns but position and velocity. It starts somewhere along the width of the
+    nozzle, and from there it has already flown for a random part of the step, so a jet is as even with long steps as
+    with short ones. The random numbers are functions of `seed`, the particle's state and the time, so results have the
+    same bits for every number of threads and every order of adding.
 
     Parameters
     ----------
@@ -5908,8 +3298,8 @@ class Pump:
     velocity : array_like, shape (2,)
         Mean velocity of what leaves it, in units of length per second.
     rate : float
-        Mean number of times per second at which a particle in the drain is taken, at least 0. The
-        number of particles in the drain times this leaves the nozzle per second.
+        Mean number of times per second at which a particle in the drain is taken, at least 0. The number of particles
+        in the drain times this leaves the nozzle per second.
     width : float, default 0.0
         Length of the line on which particles start, perpendicular to the velocity.
     spread : float, default 0.0
@@ -5924,42 +3314,15 @@ class Pump:
     ValueError
         If a number is out of range, or a min of the drain is not below its max.
 
-    See Also
-    --------
-    World.add, World.remove : Particles that come and go.
-
     Notes
     -----
-    A pump adds energy and momentum. The nozzle does not look for room: particles that overlap there
-    are pushed apart, without a change of their velocities, as everywhere. A world with pumps does not
-    sleep. Of several pumps whose drains have a particle in common, the first one that takes it counts.
-
-    Examples
-    --------
-    A jet that falls back into its basin:
-
-    >>> import jostle
-    >>> box = jostle.Box(0, 0, 40, 60)
-    >>> water = [(x, y) for x in range(1, 40, 2) for y in (1, 3, 5)]
-    >>> world = jostle.World(water, 0.8, gravity=(0, -10), restitution=0.3, container=box)
-    >>> world.forces = [jostle.Pump((0, 0, 40, 4), (20, 10), (0, 25), rate=0.5, width=4, spread=1)]
-    >>> world.step(1 / 60, steps=120)
-    >>> bool(world.positions[:, 1].max() > 30), len(world)
-    (True, 60)
-    """
+    A pump adds energy and momentum. The nozzle does not look for room: particles that overlap there are pushed apart,
+    without a change of their velocities, as everywhere. A world with pumps does not sleep. Of several pumps whose
+    drains have a particle in common, the first one that takes it counts."""
 
     __match_args__: Final = ("drain", "position", "velocity")
-    def __new__(
-        cls,
-        drain: ArrayLike | Box,
-        position: ArrayLike,
-        velocity: ArrayLike,
-        *,
-        rate: _Number,
-        width: _Number = 0.0,
-        spread: _Number = 0.0,
-        seed: SupportsIndex = 0,
-    ) -> Self: ...
+    def __new__(cls, drain: ArrayLike | Box, position: ArrayLike, velocity: ArrayLike, *, rate: _Number,
+            width: _Number = 0.0, spread: _Number = 0.0, seed: SupportsIndex = 0) -> Self: ...
     @property
     def drain(self) -> tuple[float, float, float, float]:
         """Sides of the drain, (min_x, min_y, max_x, max_y)."""
@@ -5981,9 +3344,6 @@ class Pump:
     @property
     def seed(self) -> int:
         """The seed of the random numbers."""
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
 
 def scene_names() -> list[str]:
     """List the scenes.
@@ -5991,19 +3351,7 @@ def scene_names() -> list[str]:
     Returns
     -------
     list of str
-        Their names.
-
-    See Also
-    --------
-    create : The world of a scene.
-    describe : A description of a scene.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> "gas" in jostle.scenes.names()
-    True
-    """
+        Their names."""
 
 def describe_scene(name: str) -> str:
     """Describe a scene.
@@ -6021,19 +3369,7 @@ def describe_scene(name: str) -> str:
     Raises
     ------
     ValueError
-        If there is no such scene.
-
-    See Also
-    --------
-    names : All scenes.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> print(jostle.scenes.describe("billiards"))
-    A cue ball with side spin breaks a rack of balls. Its momentum and its spin spread over all
-    balls.
-    """
+        If there is no such scene."""
 
 def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex = 0) -> World:
     """Make the world of a scene.
@@ -6043,8 +3379,8 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
     name : str
         One of `names()`.
     n : int, optional
-        Number of particles; by default a suitable number for the scene. Sizes depend on it.
-        The discs of walls and the pegs of `galton` come in addition, and first.
+        Number of particles; by default a suitable number for the scene. Sizes depend on it. The discs of walls and the
+        pegs of `galton` come in addition, and first.
     seed : int, default 0
         The same seed gives the same world on every machine.
 
@@ -6056,26 +3392,9 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
     Raises
     ------
     ValueError
-        If there is no such scene, or `n` or `seed` is out of range.
+        If there is no such scene, or `n` or `seed` is out of range."""
 
-    See Also
-    --------
-    view : The part of it to display.
-    default_count : The default number of particles.
-    describe : A description.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> world = jostle.scenes.create("pile", n=100)
-    >>> world.step(1 / 60)
-    >>> len(world)
-    100
-    """
-
-def create_scene_part(
-    name: str, n: SupportsIndex | None, seed: SupportsIndex, rank: int, size: int
-) -> World:
+def create_scene_part(name: str, n: SupportsIndex | None, seed: SupportsIndex, rank: int, size: int) -> World:
     """Make the particles of one of several ranks. For `jostle.mpi`."""
 
 def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float, float, float]:
@@ -6096,18 +3415,7 @@ def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float,
     Raises
     ------
     ValueError
-        If there is no such scene or `n` is out of range.
-
-    See Also
-    --------
-    create : The world of the scene.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> jostle.scenes.view("article")
-    (0.0, 0.0, 800.0, 500.0)
-    """
+        If there is no such scene or `n` is out of range."""
 
 def scene_default_count(name: str) -> int:
     """Return the default number of particles of a scene.
@@ -6125,18 +3433,7 @@ def scene_default_count(name: str) -> int:
     Raises
     ------
     ValueError
-        If there is no such scene.
-
-    See Also
-    --------
-    create : The world of the scene.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> jostle.scenes.default_count("billiards")
-    16
-    """
+        If there is no such scene."""
 
 def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
     """Return the geometry of the board in the scene `galton`.
@@ -6154,25 +3451,12 @@ def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
     Raises
     ------
     ValueError
-        If `n` is out of range.
-
-    See Also
-    --------
-    create : The world of the scene.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> board = jostle.scenes.galton_board(400)
-    >>> board.rows, len(board.bin_edges)
-    (10, 12)
-    """
+        If `n` is out of range."""
 
 def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float32]:
     """Place discs in a straight line, for a wall of static discs.
 
-    They are so close that particles slide along them as along a smooth wall, and none passes
-    between two of them.
+    They are so close that particles slide along them as along a smooth wall, and none passes between two of them.
 
     Parameters
     ----------
@@ -6184,24 +3468,9 @@ def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float3
     Returns
     -------
     ndarray of float32, shape (k, 2)
-        Their centres, from `start` to `end`, at most 0.4 radii apart; one centre if `start` and
-        `end` are equal.
+        Their centres, from `start` to `end`, at most 0.4 radii apart; one centre if `start` and `end` are equal.
 
     Raises
     ------
     ValueError
-        If a number is not finite, `radius` is not above 0, or the wall would have more than a
-        million discs.
-
-    See Also
-    --------
-    jostle.polyline : Walls without discs, for `World.walls`.
-
-    Examples
-    --------
-    >>> import jostle
-    >>> centers = jostle.scenes.wall((0, 0), (30, 40), radius=5)
-    >>> centers.shape
-    (26, 2)
-    >>> world = jostle.World(centers, 5, velocities=0 * centers, movable=False)
-    """
+        If a number is not finite, `radius` is not above 0, or the wall would have more than a million discs."""
