@@ -140,6 +140,7 @@ ATTRIBUTES = {
     "Setting": "assignable",
     "Column": "read-only",
     "WallColumn": "assignable",
+    "Query": "method of `jostle.World`",
     "WallQuery": "method of `jostle.Walls`",
 }
 """What the attributes of distributed worlds are."""

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from mpi_cases_events import fenced
 from mpi_checks import fail_by_the_last_rank, refuse
 from mpi_worlds import comm, evenly, gas, scattered, sleepers, unevenly, up_to
 
@@ -85,3 +86,73 @@ def test_get() -> None:
             refuse(lambda missing=missing, name=name: missing(name), f"{name[0]}; no particle")
     last = comm().rank == comm().size - 1
     fail_by_the_last_rank(lambda: ours.get([0.5] if last else [0]), TypeError, "ids")
+
+
+def questions(world: jostle.World, count: int, seed: int) -> list[tuple[str, dict[str, Any]]]:
+    """All queries with so many questions near the particles, and one of each alone."""
+    draw = np.random.default_rng(seed)
+    low, high = world.positions.min(axis=0) - 2, world.positions.max(axis=0) + 2
+    points = draw.uniform(low, high, (count, 2)).astype(np.float32)
+    # Some where a particle is, and some between two.
+    points[::3] = world.positions[draw.integers(0, len(world), len(points[::3]))]
+    far = points + draw.uniform(0, 9, (count, 2))
+    aims = {"origin": points, "direction": draw.normal(0, 1, (count, 2))}
+    limits = {"max_distance": draw.uniform(0, 30, count), "mask": 5}
+    some = {"exclude": world.ids[draw.integers(0, len(world), count)]}
+    corners = points[:, None] + np.array([(0, 0), (7, 1), (2, 8)])
+    sizes = {"radii": 0.3, "half_sizes": (0.5, 0.2), "max_distance": 30.0}
+    many: list[tuple[str, dict[str, Any]]] = [
+        ("query_point", {"point": points}),
+        ("query_rect", {"rect": np.concatenate([points, far], axis=1), "mask": 6}),
+        ("query_circle", {"center": points, "radius": draw.uniform(0, 9, count), **some}),
+        ("query_polygon", {"vertices": corners}),
+        ("nearest", {"point": points, "k": 3}),
+        ("nearest", {"point": points, "k": 400, **limits, **some}),
+        ("raycast", aims | limits | some),
+        ("raycast", aims | {"max_distance": 90.0}),
+        ("shape_cast", aims | sizes | some),
+        ("raycast_all", aims | {"max_distance": 40.0} | some),
+        ("raycast_all", aims | limits),
+    ]
+    if count == 0:
+        return many * 2
+    for query, asked in many[:]:
+        arrays = {name for name, of in asked.items() if np.ndim(of) > 0 and len(of) == count}
+        many.append((query, {name: of[0] if name in arrays else of for name, of in asked.items()}))
+    return many
+
+
+@up_to(3)
+def test_queries() -> None:
+    """Each rank asks its own questions, the last one none, with the answers of one process."""
+    rows = np.arange(240)
+    filters = {"categories": 1 << rows % 3, "movable": rows % 11 > 0}
+    grid = np.column_stack([rows % 16, rows // 16]) * 2.0
+    worlds = {
+        "fences": fenced(),
+        "grid": jostle.World(grid, 1.0, period=(32, 30)),
+        "torus": gas(240, container="torus", **filters),
+        "round": gas(240, container=jostle.Circle((20, 20), 90), **filters),
+    }
+    # With more ranks than cores each message takes long.
+    for name, world in list(worlds.items())[: 4 if comm().size < 3 else 2]:
+        ours = scattered(world, unevenly, every=2)
+        for steps in (0, 3):
+            ours.step(1 / 60, steps)
+            whole = gathered(ours)
+            count = 0 if comm().rank == comm().size - 1 > 0 else 25 + comm().rank
+            for query, asked in questions(whole, count, comm().rank):
+                found, one = (getattr(of, query)(**asked) for of in (ours, whole))
+                same = np.array_equal(found, one) if isinstance(one, np.ndarray) else found == one
+                assert same, (name, query, asked, found, one)
+        moved = ours.ids[:3]
+        ours.set(moved, positions=ours.positions[:3] + 0.1)
+        ours.remove(ours.ids[-1:])
+        ours.walls.add(((0, 0), (30, 30)))
+        whole, origin = gathered(ours), ours.positions[:1]
+        aim = {"direction": (0.3, 1.0), "max_distance": 60.0}
+        assert ours.raycast_all(origin, **aim) == whole.raycast_all(origin, **aim), name
+    assert list(ours.query_circle([], 1.0)) == [] == list(ours.raycast([], []).ids)
+    last = comm().rank == comm().size - 1
+    fail_by_the_last_rank(lambda: ours.nearest((1, 2), k=0 if last else 1), ValueError, "k is 0")
+    fail_by_the_last_rank(lambda: ours.query_rect("a" if last else (1, 2, 3, 4)), TypeError, "rect")

@@ -16,6 +16,7 @@ from .. import edits, state
 from ..exchange import together
 from ..interrupts import collective
 from ..storage import read, write
+from .asking import Asking
 from .editing import Editing
 from .found import Found
 from .settings import Settings
@@ -23,7 +24,7 @@ from .stepping import Stepping
 from .totals import Totals
 
 
-class World(Stepping, Editing, Settings, Totals, Found):
+class World(Stepping, Editing, Settings, Totals, Found, Asking):
     """Particles that are distributed over the ranks of a communicator.
 
     Methods but `rows` are collective: all ranks call them in the same order. So are `events`,
@@ -62,9 +63,12 @@ class World(Stepping, Editing, Settings, Totals, Found):
     Notes
     -----
     Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`,
-    `AndersenThermostat` and `Pump`. They are refused. There are no queries, such as `nearest` and
-    `raycast`: use `jostle.mpi.find_pairs`, or ask a `jostle.Quadtree` of the rank's columns on each
-    rank and combine the answers, for instance by ``comm.allgather``.
+    `AndersenThermostat` and `Pump`. They are refused.
+
+    Queries such as `nearest` and `raycast` are collective. Each rank asks its own questions about
+    the particles of all ranks, and gets the answer of `jostle.World`, in bits; a rank without
+    questions gives an empty list. All ranks answer all questions, so many in one call are best. For
+    pairs there is `jostle.mpi.find_pairs`.
 
     `free_positions` and `force_virial` depend on the particles of all ranks; the world that
     `gather` returns has these methods.

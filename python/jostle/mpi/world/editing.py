@@ -53,6 +53,7 @@ class Editing(Columns):
         remove : Remove particles.
         set : Change particles.
         """
+        self._own_world = None
         places = edits.rows_of(positions)
         return edits.add(self._comm, self._core, places, radii, **columns)
 
@@ -77,6 +78,7 @@ class Editing(Columns):
         --------
         add : Add particles.
         """
+        self._own_world = None
         edits.remove(self._comm, self._core, ids)
 
     @collective
@@ -103,6 +105,7 @@ class Editing(Columns):
         --------
         add : Add particles.
         """
+        self._own_world = None
         edits.change(self._comm, self._core, ids, **columns)
 
     @collective

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import jostle
 
+from .. import state
 from ..exchange import duplicate_of, first_id, from_all, together
 from ..interrupts import collective
 from ..messages import Messages
@@ -41,12 +42,13 @@ class Part:
     """The core with this rank's particles, and the communicator."""
 
     # An attribute that does not exist, such as a misspelt setting, cannot be assigned.
-    __slots__ = ("_comm", "_core", "_messages", "_work")
+    __slots__ = ("_comm", "_core", "_messages", "_own_world", "_work")
 
     def _begin(self, comm: MPI.Intracomm) -> None:
         self._comm = duplicate_of(comm)
         self._messages = Messages(self._comm)
         self._work: float | None = None
+        self._own_world: Any = None
 
     @collective
     def _distribute(self, part: Callable[[int, int], Any]) -> None:
@@ -87,6 +89,7 @@ class Part:
             trial._check_distributable()
         self._check_settings(trial, (name,))
         self._core._drop_ghosts()
+        self._own_world = None
         setattr(self._core, name, value)
         self._core._agree_on_losses()
 
@@ -99,9 +102,19 @@ class Part:
             trial._check_distributable()
         self._check_settings(trial, ("walls",))
         self._core._drop_ghosts()
+        self._own_world = None
         found = edit(self._core.walls)
         self._core._agree_on_losses()
         return found
+
+    def _answering(self) -> Any:
+        """A `jostle.World` with the particles and ids of this rank, kept until they change."""
+        if self._own_world is None:
+            records = state.records_of(self._core)
+            records = records[np.argsort(records["id"])]
+            self._own_world = self._core._of_records(records.tobytes())
+            self._own_world._set_ids(records["id"].copy(), self._core._own_ids()[1])
+        return self._own_world
 
     def _own(self) -> tuple[int, NDArray[np.int64], list[int]]:
         own: tuple[int, NDArray[np.int64], list[int]] = self._core._own()

@@ -53,6 +53,7 @@ class Stepping(Part):
             self._core._end_steps()
 
     def _step(self, dt: float) -> None:
+        self._own_world = None
         start, waited = time.perf_counter(), self._messages.seconds
         with passed_on(self._comm):
             self._core._step_distributed(dt)
