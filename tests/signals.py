@@ -130,7 +130,8 @@ def printed_by(*arguments: str | Path, timeout: float = 60, **options: Any) -> s
         [sys.executable, *arguments], capture_output=True, text=True, timeout=timeout, **options
     )
     assert child.returncode == 0, child.stderr[-2000:]
-    return child.stdout
+    printed: str = child.stdout
+    return printed
 
 
 def run_child(code: str, timeout: float = 60) -> str:

@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,8 @@ def test_signals() -> None:
 
         def _own_records(self) -> bytes:
             signal.raise_signal(signal.SIGUSR1)
-            return self._of._own_records()
+            records: bytes = self._of._own_records()
+            return records
 
     def handler(*_: object) -> None:
         raise InterruptedError("told so")
@@ -93,7 +95,7 @@ def test_errors() -> None:
         if comm().size > 1 or argument not in ("gravity", "walls"):
             refuse(call, argument)
     for name in ("gravitiy", "velocities"):  # a misspelt setting, a column
-        refuse(lambda name=name: setattr(world, name, 0), name)
+        refuse(partial(setattr, world, name, 0), name)
     # Only one rank has a particle that moves too far.
     before = world.state_hash()
     hurried = scattered(

@@ -1,6 +1,7 @@
 """Files of distributed worlds."""
 
 import resource
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,8 @@ def check_file(path: Path, world: jostle.World, steps: int, every: int = 1) -> N
     world.step(1 / 60, steps)
     if every > 1:
         ours._core._drop_ghosts()
-        for core, ids in ((world, world.ids), (ours._core, ours.ids)):
+        cores: list[Any] = [world, ours._core]
+        for core, ids in zip(cores, (world.ids, ours.ids), strict=True):
             core._set_ids(ids * every, len(world) * every)
     check_saved(path, ours, world, steps)
 
@@ -62,8 +64,8 @@ def check_refused_files(folder: Path) -> None:
         if comm().rank == 0:
             (folder / name).write_bytes(data)
         comm().Barrier()
-        refuse(lambda name=name: jostle.mpi.World.load(comm(), folder / name), message)
-        refuse(lambda name=name: jostle.World.load(folder / name), f"{folder / name} holds")
+        refuse(partial(jostle.mpi.World.load, comm(), folder / name), message)
+        refuse(partial(jostle.World.load, folder / name), f"{folder / name} holds")
     refuse(lambda: jostle.mpi.World.load(comm(), folder / "none"), "none")
 
 
@@ -74,7 +76,8 @@ def check_failed_writing(folder: Path) -> None:
     comm().Barrier()
     ours = scattered(gas(50), evenly)
     refuse(lambda: ours.save(folder / "no" / "where"), "no")
-    storage, last = jostle.mpi.storage, comm().rank == comm().size - 1
+    storage: Any = jostle.mpi.storage
+    last = comm().rank == comm().size - 1
 
     class Full(InPlaceOf):
         """A file on a disk that is full for the last rank."""

@@ -1,6 +1,7 @@
 """Motion, containers, forces and settings of distributed worlds, compared with one process."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 from mpi_checks import check, check_events, refuse, step_alike, step_all
@@ -248,7 +249,7 @@ def test_energy() -> None:
     table = np.ones((1, 1, 20))
     movable = np.arange(300) % 5 > 0
     for container in ("box", "torus", None):
-        options = {} if container == "box" else {"container": container}
+        options: dict[str, Any] = {} if container == "box" else {"container": container}
         world = gas(300, forces=[jostle.PairForce(table, 9.0)], movable=movable, **options)
         found = scattered(world, evenly).potential_energy()
         assert abs(found - world.potential_energy()) <= 1e-10 * abs(found)
@@ -346,9 +347,9 @@ def test_impulses() -> None:
         f"of particle {first} would be too large",
     )
     if comm().size > 1:
-        points = (0, 0) if is_last else None
+        some = (0, 0) if is_last else None
         refuse(
-            lambda: ours.apply_impulse(first, (0, 1), points), "points are given by some ranks only"
+            lambda: ours.apply_impulse(first, (0, 1), some), "points are given by some ranks only"
         )
     step_alike("after what is refused", ours, world, 1 / 60)
 
@@ -364,6 +365,7 @@ def test_unwrapped_positions() -> None:
             np.concatenate(comm().allgather(of)) for of in (ours.ids, ours.unwrapped_positions)
         )
         assert np.array_equal(found[np.argsort(ids)], world.unwrapped_positions)
+    assert world.period is not None
     assert np.abs(world.unwrapped_positions - world.positions).max() > 2 * world.period.max()
     alone = ours.gather()
     if alone is not None:

@@ -1,5 +1,6 @@
 """What ranks read: particles of any rank, sums over all, and answers to questions."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,8 +29,8 @@ def check_sums(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
         )
         assert len(set(map(bytes, comm().allgather(found)))) == 1, (name, sum_of)
     about = (3.1, -2.0)
-    found, one = (of.angular_momentum(about) for of in (ours, world))
-    assert abs(found - one) <= 1e-11 * abs(one) + 1e-9, name
+    about_it, of_one = (of.angular_momentum(about) for of in (ours, world))
+    assert abs(about_it - of_one) <= 1e-11 * abs(of_one) + 1e-9, name
     assert np.array_equal(ours.net_forces(), world.net_forces()[world.rows(ours.ids)]), name
 
 
@@ -39,7 +40,11 @@ def test_sums() -> None:
     kinds = np.arange(300) % 3
     pairs: dict[str, Any] = {"forces": [jostle.PairForce(table, 6.0, damping=0.5)], "kinds": kinds}
     flock = [jostle.Flocking(8.0, max_speed=30, separation=20, alignment=2, cohesion=1)]
-    falling = {"gravity": (1.0, 9.0), "drag": 0.1, "movable": np.arange(300) % 9 > 0}
+    falling: dict[str, Any] = {
+        "gravity": (1.0, 9.0),
+        "drag": 0.1,
+        "movable": np.arange(300) % 9 > 0,
+    }
     for name, world, steps in (
         ("box", gas(300, friction=0.4, **falling), 5),
         ("kinds", gas(300, container="torus", **pairs), 3),
@@ -83,7 +88,7 @@ def test_get() -> None:
     other = np.setdiff1d(world.ids, ours.ids)[:1]
     for missing, name in ((ours.rows, other), (ours.rows, [3]), (ours.get, [3])):
         if len(name):
-            refuse(lambda missing=missing, name=name: missing(name), f"{name[0]}; no particle")
+            refuse(partial(missing, name), f"{name[0]}; no particle")
     last = comm().rank == comm().size - 1
     fail_by_the_last_rank(lambda: ours.get([0.5] if last else [0]), TypeError, "ids")
 
@@ -126,7 +131,7 @@ def questions(world: jostle.World, count: int, seed: int) -> list[tuple[str, dic
 def test_queries() -> None:
     """Each rank asks its own questions, the last one none, with the answers of one process."""
     rows = np.arange(240)
-    filters = {"categories": 1 << rows % 3, "movable": rows % 11 > 0}
+    filters: dict[str, Any] = {"categories": 1 << rows % 3, "movable": rows % 11 > 0}
     grid = np.column_stack([rows % 16, rows // 16]) * 2.0
     worlds = {
         "fences": fenced(),
@@ -150,7 +155,7 @@ def test_queries() -> None:
         ours.remove(ours.ids[-1:])
         ours.walls.add(((0, 0), (30, 30)))
         whole, origin = gathered(ours), ours.positions[:1]
-        aim = {"direction": (0.3, 1.0), "max_distance": 60.0}
+        aim: dict[str, Any] = {"direction": (0.3, 1.0), "max_distance": 60.0}
         assert ours.raycast_all(origin, **aim) == whole.raycast_all(origin, **aim), name
     assert list(ours.query_circle([], 1.0)) == [] == list(ours.raycast([], []).ids)
     last = comm().rank == comm().size - 1

@@ -30,7 +30,7 @@ def shares(rng: np.random.Generator, n: int) -> slice:
 
 
 def share_of(
-    rng: np.random.Generator, columns: dict[str, np.ndarray], settings: dict[str, Any]
+    rng: np.random.Generator, columns: dict[str, Any], settings: dict[str, Any]
 ) -> jostle.mpi.World:
     """A distributed world; each rank leaves out columns if it can."""
     mine = shares(rng, len(columns["positions"]))
@@ -45,7 +45,7 @@ def share_of(
     return ours
 
 
-def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def random_world(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
     """Columns and settings. Speeds are up to 1,000 radii in a step."""
     rng = np.random.default_rng(seed)
 
@@ -65,10 +65,15 @@ def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     # Many rows have the default values, so that a rank may have no others.
     some = np.arange(n) >= rng.integers(0, n + 1)
 
-    def column(default: Any, values: Any) -> np.ndarray:
-        return np.where(some, values, default)
+    def column(default: Any, given: Any) -> np.ndarray:
+        values: np.ndarray = np.where(some, given, default)
+        return values
 
-    columns = {"positions": rng.uniform(0, side, (n, 2)), "velocities": velocities, "radii": radii}
+    columns: dict[str, Any] = {
+        "positions": rng.uniform(0, side, (n, 2)),
+        "velocities": velocities,
+        "radii": radii,
+    }
     defaults = {**DEFAULTS, "masses": default_masses(radii)}
     choices = {
         "restitution": rng.choice([0.0, 0.5, 0.9], n),
@@ -87,7 +92,11 @@ def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     settings: dict[str, Any] = {"on_touch": rng.choice(["bounce"] * 5 + ["merge", "ignore"])}
     if settings["on_touch"] == "merge":
         columns.pop("sensors", None)
-    regions = ({}, {"container": jostle.Box(0, 0, side, side)}, {"period": (side, side)})
+    regions: tuple[dict[str, Any], ...] = (
+        {},
+        {"container": jostle.Box(0, 0, side, side)},
+        {"period": (side, side)},
+    )
     settings |= regions[rng.integers(3)]
     if "restitution" not in columns and maybe():
         columns["restitution"] = np.full(n, rng.choice([0.0, 0.6]), np.float32)
@@ -140,11 +149,12 @@ def test_substeps_are_decided_by_all_ranks() -> None:
     """The only particles with friction, or that lose energy, are on one rank."""
     n = 40
     positions = np.column_stack([np.arange(n) * 2.5, np.zeros(n)])
-    columns = {"positions": positions, "velocities": np.zeros((n, 2)), "radii": np.ones(n)}
-    gravity = {"gravity": (0.0, -9.8), "container": jostle.Box(-2, -2, 100, 40)}
+    columns: dict[str, Any] = {"positions": positions, "radii": np.ones(n)}
+    columns["velocities"] = np.zeros((n, 2))
+    gravity: dict[str, Any] = {"gravity": (0.0, -9.8), "container": jostle.Box(-2, -2, 100, 40)}
     for name, value in (("friction", 0.3), ("restitution", 0.5)):
         for first in (0, n - 1):
-            column = np.full(n, DEFAULTS[name])
+            column: Any = np.full(n, DEFAULTS[name])
             column[first:] = value
             world = jostle.World(**columns, **{name: column}, **gravity)
             mine = np.arange(n) < first if comm().rank else np.arange(n) >= first
@@ -152,7 +162,9 @@ def test_substeps_are_decided_by_all_ranks() -> None:
                 mine[:] = False
             if first and comm().size > 1:
                 order = np.r_[n - 1, : n - 1]  # ids are in the order of ranks
-                ordered = {key: of[order] for key, of in {**columns, name: column}.items()}
+                ordered: dict[str, Any] = {
+                    key: of[order] for key, of in {**columns, name: column}.items()
+                }
                 world = jostle.World(**ordered, **gravity)
             elif comm().size == 1:
                 mine[:] = True
@@ -178,7 +190,7 @@ def test_substeps_are_decided_by_all_ranks() -> None:
         refuse(lambda: jostle.mpi.World(comm(), **own, **gravity, **given), "substeps is not the")
 
 
-def check_shared(columns: dict[str, np.ndarray], settings: dict[str, Any], steps: int) -> None:
+def check_shared(columns: dict[str, Any], settings: dict[str, Any], steps: int) -> None:
     """Compare a world, with random shares, with one process."""
     world = jostle.World(**columns, **settings)
     ours = share_of(np.random.default_rng(1), columns, settings)

@@ -1,5 +1,7 @@
 """How much ranks do: calls, domains and communicators."""
 
+from typing import Any
+
 import numpy as np
 from mpi4py import MPI
 from mpi_worlds import comm, evenly, gas, on_first, scattered
@@ -42,9 +44,9 @@ def test_many() -> None:
 def test_calls() -> None:
     """The numbers of calls of a step in docs/mpi.md."""
     size = comm().size
-    sparse = {"n": 200, "cover": 0.1}
+    sparse: dict[str, Any] = {"n": 200, "cover": 0.1}
     for container, calls in (("box", 16), (None, 17), ("torus", 19)):
-        options = {} if container == "box" else {"container": container}
+        options: dict[str, Any] = {} if container == "box" else {"container": container}
         world = scattered(gas(**sparse, **options), evenly)
         world._core._rebalance_every(1000)
         counts = []

@@ -1,6 +1,7 @@
 """Comparison of worlds of ranks with those of one process. The programs of the tests use it."""
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -106,7 +107,8 @@ def step_alike(
 ) -> None:
     """Step both, and a world of one process with all particles; they have the same states."""
     alone = ours.gather() if gathers else None
-    for one in (world, ours, *([] if alone is None else [alone])):
+    worlds: list[Any] = [world, ours, *([] if alone is None else [alone])]
+    for one in worlds:
         one.step(dt, steps)
         assert one.state_hash() == world.state_hash(), f"{name} at {world.time}"
 
@@ -181,7 +183,8 @@ def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: 
     assert not list(path.parent.glob(".*")), "nothing is left beside the file"
     world.step(1 / 60, steps)
     # All ranks, one rank alone, and groups of two.
-    for ranks in (comm(), MPI.COMM_SELF, comm().Split(comm().rank // 2)):
+    groups: list[Any] = [comm(), MPI.COMM_SELF, comm().Split(comm().rank // 2)]
+    for ranks in groups:
         again = jostle.mpi.World.load(ranks, path)
         assert again.time == ours.time and again.total == len(ids)
         assert np.array_equal(again.asleep, asleep[np.searchsorted(ids, again.ids)])
@@ -200,7 +203,7 @@ def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: 
             one.step(1 / 60, steps)
             assert one.state_hash() == world.state_hash()
     for root in (-1, comm().size):
-        refuse(lambda root=root: ours.gather(root), f"root is {root}")
+        refuse(partial(ours.gather, root), f"root is {root}")
     # Any number of ranks writes the same file.
     ours.step(1 / 60, steps)
     whole = path.read_bytes()

@@ -7,16 +7,17 @@ import sys
 import time
 import traceback
 from collections.abc import Callable
+from typing import Any
 
 from mpi4py import MPI
 
 ALL = MPI.COMM_WORLD
 
 
-def on_each_number_of_ranks(act: Callable[[MPI.Comm], object]) -> None:
+def on_each_number_of_ranks(act: Callable[[MPI.Intracomm], object]) -> None:
     """Call `act` with communicators of 4, 3, 2 and 1 ranks; of all ranks, unless there are four."""
     for size in range(4, 0, -1) if ALL.size == 4 else (ALL.size,):
-        comm = ALL.Split(0 if ALL.rank < size else MPI.UNDEFINED)
+        comm: Any = ALL.Split(0 if ALL.rank < size else MPI.UNDEFINED)
         if comm != MPI.COMM_NULL:
             act(comm)
             comm.Free()

@@ -1,6 +1,7 @@
 """A program of test_mpi_programs: compares the pairs of all ranks with those of one process."""
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -13,7 +14,7 @@ import jostle.mpi
 
 RNG = np.random.default_rng(5)
 
-Shapes = dict[str, np.ndarray]
+Shapes = dict[str, Any]
 
 
 def discs(n: int, side: float = 30.0) -> Shapes:
@@ -26,7 +27,7 @@ def split(rows: Shapes, where: Distribution) -> Shapes:
     return {name: column[mine] for name, column in rows.items()}
 
 
-def check(rows: Shapes, where: Distribution = evenly, **options) -> None:
+def check(rows: Shapes, where: Distribution = evenly, **options: Any) -> None:
     expected = jostle.find_pairs(**rows, **options, sort=True)
     share = split(rows, where)
     found = jostle.mpi.find_pairs(comm(), **share, **options, sort=True)

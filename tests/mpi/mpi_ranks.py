@@ -52,6 +52,7 @@ def run_ranks(
     Fails with the output if the exit status is not 0, or, unless `is_right`, if it is. After some
     `seconds` the launcher and all ranks are killed.
     """
+    assert LAUNCHER is not None
     command = [LAUNCHER, "-n", str(ranks), sys.executable, *map(str, program)]
     with subprocess.Popen(
         command,

@@ -28,6 +28,10 @@ def use(ranks: MPI.Intracomm) -> None:
     _ranks = ranks
 
 
+#: The most ranks of the cases that `up_to` marks.
+_MOST: dict[Callable[[], None], int] = {}
+
+
 def up_to(ranks: int) -> Callable[[Callable[[], None]], Callable[[], None]]:
     """Let a case run on up to so many ranks, because one more makes a difference there.
 
@@ -36,7 +40,7 @@ def up_to(ranks: int) -> Callable[[Callable[[], None]], Callable[[], None]]:
     """
 
     def with_most(case: Callable[[], None]) -> Callable[[], None]:
-        case.most_ranks = ranks
+        _MOST[case] = ranks
         return case
 
     return with_most
@@ -44,7 +48,7 @@ def up_to(ranks: int) -> Callable[[Callable[[], None]], Callable[[], None]]:
 
 def most_ranks(case: Callable[[], None]) -> int:
     """The number of ranks that `up_to` has given to a case."""
-    return getattr(case, "most_ranks", 2)
+    return _MOST.get(case, 2)
 
 
 #: The modules of cases.
@@ -72,7 +76,8 @@ def unevenly(n: int) -> np.ndarray:
 
 
 def parts(n: int, where: Distribution) -> np.ndarray:
-    return where(n) == comm().rank
+    mine: np.ndarray = where(n) == comm().rank
+    return mine
 
 
 COLUMNS = (
@@ -153,7 +158,12 @@ def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:
     late = np.array([(left[n // 2] + 0.5, 55.0), (row[n // 2, 0] + 0.3, 90.0)])
     triangles = np.concatenate([corners + np.array([x, 0.0]) for x in left])
     positions = np.concatenate([triangles, row, late[:falling]])
-    rules = {"gravity": (0.0, -9.8), "restitution": 0.3, "friction": 0.6, "substeps": 2} | options
+    rules: dict[str, Any] = {
+        "gravity": (0.0, -9.8),
+        "restitution": 0.3,
+        "friction": 0.6,
+        "substeps": 2,
+    } | options
     width = float(row[-1, 0]) + 3.0
     return jostle.World(positions, 1.0, container=jostle.Box(0, 0, width, 200), **rules)
 
