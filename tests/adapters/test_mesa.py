@@ -109,7 +109,7 @@ def test_the_same_agents(
             assert near[0].tolist() == near[1].tolist()
 
 
-def test_points_and_positions_outside() -> None:
+def test_points_and_positions_outside_and_three_dimensions() -> None:
     for torus in (False, True):
         twins = Twins(torus, [(0, 1), (14, 9), (3, 3)])
         for x in (40.0, 4.0, np.nan):
@@ -117,9 +117,6 @@ def test_points_and_positions_outside() -> None:
                 space.agent_positions[1] = (x, 3.0)
             for point in ((3.0, 3.0), (-20.0, 5.0), (200.0, 1.0)):
                 twins.agree(point, 4.0, 1)
-
-
-def test_three_dimensions() -> None:
     twins = Twins(True, np.random.default_rng(1).random((20, 3)), [[0, 1], [0, 1], [0, 1]])
     twins.agree(np.array([0.1, 0.9, 0.5]), 0.4, 3)
 

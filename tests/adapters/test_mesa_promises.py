@@ -50,7 +50,7 @@ def test_bounds_are_those_of_the_dimensions(kind: Any, dimensions: Any) -> None:
 
 
 @on_both
-def test_a_torus_moves_positions_inside(kind: Any) -> None:
+def test_a_torus_moves_positions_inside_and_without_one_they_are_refused(kind: Any) -> None:
     space = space_of(kind, [[0, 1], [-1, 0]], torus=True)
     for turns in ((0, 0), (-1, 1), (1, 0), (0, -1), (3, -2)):
         moved = space.torus_correct(np.array([0.5, -0.75]) + turns)
@@ -58,12 +58,7 @@ def test_a_torus_moves_positions_inside(kind: Any) -> None:
     (agent,) = agents_at(space, (1.25, -1.25))
     np.testing.assert_array_equal(agent.position, [0.25, -0.25])
     np.testing.assert_array_equal(agent.pos, agent.position)
-
-
-@on_both
-def test_positions_outside_are_refused_without_a_torus(kind: Any) -> None:
-    space = space_of(kind)
-    (agent,) = agents_at(space, (0.5, 0.5))
+    (agent,) = agents_at(space_of(kind), (0.5, 0.5))
     with pytest.raises(ValueError, match="outside the bounds"):
         agent.position = (0.5, 1.5)
     np.testing.assert_array_equal(agent.position, [0.5, 0.5])

@@ -164,7 +164,7 @@ def test_the_first_of_equal_ones_is_removed() -> None:
         assert index.intersect((0, 0))[0] is second
 
 
-def test_what_is_removed_is_let_go() -> None:
+def test_what_is_removed_is_let_go_and_length_counts_what_was_inserted() -> None:
     index = Index(AREA)
     item = object()
     before = sys.getrefcount(item)
@@ -172,9 +172,6 @@ def test_what_is_removed_is_let_go() -> None:
     [index.intersect(AREA) for _ in range(6)]
     index.remove(item, (1, 1, 2, 2))
     assert sys.getrefcount(item) == before
-
-
-def test_length_counts_what_was_inserted() -> None:
     index = Index(AREA, max_items=1)
     for _ in range(5):
         index.insert("duck", (1, 1, 9, 9))

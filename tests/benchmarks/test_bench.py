@@ -105,15 +105,12 @@ def test_a_wrong_answer_stops_the_race(wrong) -> None:
         list(pairs.compare("discs", (100,), Effort(1), [ours(), liar]))
 
 
-def test_what_cannot_be_done_gets_a_row_with_the_reason() -> None:
+def test_what_cannot_be_done_or_is_slow_gets_a_row_with_the_reason() -> None:
     def refuse(made: shapes.Shapes, threads: int) -> None:
         raise Unable("never")
 
     (rows,) = pairs.compare("discs", (20,), Effort(1), [ours(), ours(name="no", find=refuse)])
     assert rows[1]["note"] == "never" and rows[1]["rounds"] == 0 and rows[1]["median_s"] == ""
-
-
-def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
     small, large = pairs.compare("discs", (20, 40), Effort(3, patience=1e-9), [ours()])
     assert small[0]["rounds"] == 1 and small[0]["median_s"]
     assert large[0]["rounds"] == 0 and large[0]["note"]
@@ -244,12 +241,7 @@ def test_rounds_are_interleaved() -> None:
     assert order == ["a", "b"] + ["a", "a", "b", "b"] * 3
 
 
-def test_a_timing_tells_median_and_quartiles() -> None:
-    columns = Timing((5.0, 1.0, 2.0, 3.0, 4.0)).columns()
-    assert columns == {"rounds": 5, "median_s": "3", "low_s": "2", "high_s": "4"}
-
-
-def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
+def test_results_grow_row_by_row_and_say_on_what_machine(tmp_path: Path) -> None:
     path = tmp_path / "new" / "file.csv"
     path.parent.mkdir()
     path.write_text("an earlier run")
@@ -260,9 +252,6 @@ def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
         rows = table(path)
         assert [row["count"] for row in rows] == [str(n) for n in range(1, count + 1)]
         assert rows[-1]["machine"] == describe()
-
-
-def test_a_machine_has_a_name_for_files() -> None:
     assert slug() == slug().lower() and " " not in slug() and "core" in slug()
 
 
@@ -371,13 +360,15 @@ def test_a_summary_has_times_per_shape_and_ratios_to_the_first_row() -> None:
     ]
 
 
-def test_a_ratio_has_the_confidence_interval_of_its_median() -> None:
+def test_a_timing_has_quartiles_and_a_ratio_the_confidence_interval_of_its_median() -> None:
     slow = Timing(tuple(2.0 + 0.01 * k for k in range(21)))
     ratio = compare(slow, Timing((1.0,) * 21))
     assert (ratio.median, ratio.low, ratio.high) == pytest.approx((2.10, 2.05, 2.15))
     assert not ratio.within_noise and compare(slow, slow).within_noise
     few = compare(Timing((2.0,) * 5), Timing((1.0,) * 5))
     assert (few.median, few.low, few.high) == (2.0, 0.0, np.inf)
+    columns = Timing((5.0, 1.0, 2.0, 3.0, 4.0)).columns()
+    assert columns == {"rounds": 5, "median_s": "3", "low_s": "2", "high_s": "4"}
 
 
 def test_a_crossing_lies_between_the_last_counts_of_both_kinds() -> None:

@@ -86,7 +86,7 @@ def test_a_wrong_link_is_found() -> None:
     assert missing("docs/which.md", text) == ["physics.md#no-such-heading", "nothing.md"]
 
 
-def test_every_page_can_be_reached_from_the_readme() -> None:
+def test_every_page_can_be_reached_from_the_readme_and_every_picture_is_shown() -> None:
     reached, waiting = set(), ["README.md"]
     while waiting:
         name = waiting.pop()
@@ -96,9 +96,6 @@ def test_every_page_can_be_reached_from_the_readme() -> None:
                 page = ((ROOT / name).parent / target.partition("#")[0]).resolve()
                 waiting.append(page.relative_to(ROOT.resolve()).as_posix())
     assert set(PAGES) - reached == set()
-
-
-def test_every_picture_is_shown() -> None:
     shown = {Path(target).name for text in PAGES.values() for target in links(text)}
     assert {path.name for path in (ROOT / "docs" / "pictures").iterdir()} <= shown
 

@@ -58,14 +58,10 @@ def test_crate_depends_only_on_what_its_layer_allows(manifest: Path) -> None:
     assert not {"build-dependencies", "target"} & set(crate)
 
 
-def test_the_library_needs_numpy_alone() -> None:
+def test_the_library_needs_numpy_alone_and_imports_no_further_module() -> None:
     assert packages(toml("pyproject.toml")["project"]["dependencies"]) == {"numpy"}
     code = "import jostle, jostle.pyqtree, jostle.sprites, jostle.writing"
     assert modules_after(code) <= {"jostle", "numpy"}
-
-
-def test_importing_the_library_imports_no_further_module() -> None:
-    """So it is fast: `benchmarks/import_time.py` measures it."""
     names = modules_after("import jostle", whole=True)
     assert {name for name in names if not name.startswith("jostle")} <= {
         *("__future__", "numpy.typing", "numpy._typing._add_docstring")

@@ -67,7 +67,9 @@ def open_window() -> Iterator[Callable[..., object]]:
 
 @pytest.fixture(autouse=True)
 def closed(request: pytest.FixtureRequest, usual_threads: None) -> Iterator[None]:
-    """Close the window of a `Driver`."""
+    """Close the display and the sessions of a `Driver`."""
     yield
-    if hasattr(request.module, "Driver"):
+    if driver := getattr(request.module, "Driver", None):
+        while driver.opened:
+            driver.opened.pop().close()
         pygame.display.quit()

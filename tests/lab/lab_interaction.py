@@ -2,11 +2,13 @@
 
 import threading
 from collections.abc import Callable, Iterable, Sequence
+from typing import ClassVar
 
 import numpy as np
 import pygame
 
 import jostle
+from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.window import Window
@@ -28,7 +30,9 @@ def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> 
 
 
 class Driver:
-    """Scripted input of a window."""
+    """Scripted input of a window; its session is closed after the test."""
+
+    opened: ClassVar[list[Session]] = []
 
     def __init__(
         self,
@@ -41,6 +45,7 @@ class Driver:
         self.window = Window(simulation, SIZE, steps, synchronous=synchronous)
         self.window.builders = []  # no panels between the mouse and the scene
         self.session = self.window.session
+        self.opened.append(self.session)
         self.session.runner.paused = paused
         pygame.event.clear()
 
@@ -53,7 +58,9 @@ class Driver:
         return round(float(x)), round(float(y))
 
     def frames(self, count: int = 1, elapsed: float = FRAME) -> None:
-        for _ in range(count):
+        """Run frames; of several only the last is drawn."""
+        for left in reversed(range(count)):
+            self.window._seen = left == 0
             self.window.frame(elapsed)
 
     def key(self, key: int, *, up: bool = True) -> None:
@@ -88,11 +95,13 @@ class Driver:
         self.up(point, button, mod)
 
     def drag(self, start: Point, end: Point, button: int = LEFT, mod: int = 0) -> None:
-        """Press, move in ten frames without time, release."""
+        """Press, move in ten frames without time, of which the last is drawn, release."""
         self.down(start, button, mod)
         for share in np.linspace(0, 1, 10):
             x, y = np.array(start) + share * (np.array(end) - np.array(start))
-            self.point_at((float(x), float(y)))
+            self.move(self.pixel((float(x), float(y))))
+            self.window._seen = share == 1
+            self.window.frame(0.0)
         self.up(end, button, mod)
 
 

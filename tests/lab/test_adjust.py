@@ -41,15 +41,14 @@ def test_more_particles_are_copies_that_touch_nothing() -> None:
     assert is_inside(simulation)
 
 
-def test_more_particles_have_the_filters_of_those_that_they_copy() -> None:
+def test_more_particles_have_the_filters_of_those_that_they_copy_and_are_sensors_like_them() -> (
+    None
+):
     simulation = gas(200, world_size=1.5)
     simulation.change(np.arange(200), categories=2, masks=5)
     assert simulation.adjust("n", 210) is None
     frame = simulation.frame()
     assert frame.categories.tolist() == [2] * 210 and frame.masks.tolist() == [5] * 210
-
-
-def test_more_particles_are_sensors_if_they_copy_sensors() -> None:
     sensors = Group(200, radius=(0.2, 0.2), sensor=True)
     simulation = start(Settings("gas", 0, particles=(sensors,)))
     assert simulation.adjust("n", 210) is None
@@ -91,11 +90,16 @@ def test_walls_are_not_counted_and_stay() -> None:
 
 
 @pytest.mark.parametrize("n", [5_000, 300 + MOST_AT_ONCE])
-def test_where_there_is_no_room_nothing_changes_and_it_is_said(n: int) -> None:
+def test_what_there_is_no_room_for_and_what_the_library_refuses_is_said_and_changes_nothing(
+    n: int,
+) -> None:
     simulation = gas(200)
     before = simulation.world.state_hash()
     assert simulation.adjust("n", n) == f"There is no room for {n - 200:,} more particles."
     assert simulation.world.state_hash() == before and simulation.settings.n == 200
+    said = simulation.adjust("leaf_capacity", 0)
+    assert "leaf_capacity" in said and simulation.settings.leaf_capacity is None
+    simulation.step()
 
 
 def test_a_session_begins_anew_where_there_is_no_room(open_session) -> None:
@@ -288,10 +292,3 @@ def test_rules_change_without_a_new_beginning(open_session, name: str, value: ob
     world = session.engine.simulation.world
     assert np.all(getattr(world, name) == value) and getattr(session.settings, name) == value
     assert session.frame.stats.time == time
-
-
-def test_what_the_library_refuses_is_said_and_changes_nothing() -> None:
-    simulation = gas(50)
-    said = simulation.adjust("leaf_capacity", 0)
-    assert "leaf_capacity" in said and simulation.settings.leaf_capacity is None
-    simulation.step()

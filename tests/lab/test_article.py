@@ -36,19 +36,16 @@ def test_every_fault_has_a_demonstration() -> None:
     assert doctest.testmod(article).failed == 0
 
 
-def test_mass_and_drag_come_from_radius_and_density() -> None:
-    particle = ball(50, radius=5, density=2)
-    assert particle.mass == 50
-    assert particle.drag == pytest.approx((50 / 50.2) ** 5)
-
-
-def test_scattered_particles_keep_to_the_ranges_of_the_article() -> None:
+def test_particles_keep_to_the_ranges_and_formulas_of_the_article() -> None:
     particles = Simulation(2000, seed=3).particles
     assert {p.radius for p in particles} == set(range(5, 11))
     assert {p.density for p in particles} == set(range(1, 21))
     assert all(0 <= p.speed < 1 and 0 <= p.angle <= 2 * math.pi for p in particles)
     assert all(p.radius <= p.x <= 800 - p.radius for p in particles)
     assert all(p.radius <= p.y <= 500 - p.radius for p in particles)
+    particle = ball(50, radius=5, density=2)
+    assert particle.mass == 50
+    assert particle.drag == pytest.approx((50 / 50.2) ** 5)
 
 
 def test_vectors_are_added_by_their_components() -> None:
@@ -103,13 +100,11 @@ def test_equal_shares_along_the_line_of_centres() -> None:
     assert (second.x, second.y) == pytest.approx((106 + 0.6 * 5.5, 108 + 0.8 * 5.5))
 
 
-def test_balls_that_just_touch_are_left_alone() -> None:
+def test_balls_that_just_touch_are_left_alone_and_coincident_ones_part_along_x() -> None:
     first, second = ball(100, speed=1, angle=RIGHT), ball(120)
     assert not collide(first, second)
     assert (first.x, first.speed, second.x, second.speed) == (100, 1, 120, 0)
-
-
-def test_coincident_balls_part_along_x() -> None:
+    assert overlaps([first, ball(115), ball(135)]) == {(0, 1): 5.0}
     first, second = ball(100), ball(100)
     assert collide(first, second)
     assert (first.x, second.x) == pytest.approx((110.5, 89.5))
@@ -178,14 +173,11 @@ def test_brute_force_tests_every_pair_once(n: int) -> None:
     assert (simulation.leaves, simulation.tested) == ([], set())
 
 
-def test_a_box_of_three_is_a_leaf() -> None:
+def test_a_box_of_three_is_a_leaf_and_one_of_four_splits() -> None:
     simulation = Simulation.of([ball(20), ball(35), ball(780)], "quadtree")
     simulation.frame()
     assert simulation.leaves == [(0, 0, 800, 500, 0)]
     assert (simulation.tests, simulation.repeats, simulation.hits) == (3, 0, 1)
-
-
-def test_a_box_of_four_splits_and_a_line_belongs_to_both_sides() -> None:
     balls = [ball(400, 100), ball(405, 100), ball(20, 480), ball(780, 480)]
     simulation = Simulation.of(balls, "quadtree")
     simulation.frame()
@@ -217,21 +209,14 @@ def test_the_tree_does_not_see_a_particle_before_its_rectangle_is_renewed() -> N
     assert simulation.hits == 1
 
 
-def test_quarters_lose_the_odd_pixel() -> None:
+def test_rectangles_are_cut_to_whole_pixels() -> None:
     assert quarters((10, 20, 7, 5)) == [
         (10, 20, 3, 2),
         (13, 20, 3, 2),
         (10, 22, 3, 2),
         (13, 22, 3, 2),
     ]
-
-
-def test_rectangles_are_cut_towards_zero() -> None:
     assert ball(10.9, 9.4).rectangle == (0, 0, 20, 20)
-
-
-def test_overlaps_gives_the_depth_of_each() -> None:
-    assert overlaps([ball(100), ball(115), ball(135)]) == {(0, 1): 5.0}
 
 
 def test_the_first_particle_under_the_cursor_is_held() -> None:

@@ -3,13 +3,15 @@
 import os
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import moderngl
+import pygame
 import pytest
 
 import jostle
-from jostle_lab import cli
+from jostle_lab import cli, headless
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -22,13 +24,6 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
         env={**environment, "PYTHONIOENCODING": "utf-8", "COLUMNS": "100"},
         timeout=120,
     )
-
-
-def test_what_the_library_refuses_is_said_of_the_file(jostle_command, tmp_path) -> None:
-    (tmp_path / "small.toml").write_text('scene = "gas"\nn = 30\nworld_size = 0.01\n')
-    wrong = ("--headless", "--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
-    sentence = jostle_command.refuses("run", *wrong)
-    assert sentence.startswith("jostle: small.toml: radii[0] is 5; it must fit between the walls")
 
 
 def test_run_without_a_display_makes_a_film_and_a_table(tmp_path: Path) -> None:
@@ -51,8 +46,9 @@ def test_an_ascii_terminal_gets_what_it_can_show() -> None:
     assert done.stdout.isascii()
 
 
-def test_version(jostle_command) -> None:
+def test_the_version_is_that_of_both_packages(jostle_command) -> None:
     assert jostle_command.run("--version") == (0, f"jostle {jostle.__version__}\n", "")
+    assert jostle.__version__ == metadata.version("jostle") == metadata.version("jostle-lab")
 
 
 @pytest.mark.parametrize(
@@ -80,7 +76,9 @@ def test_bad_input_gets_one_sentence(jostle_command, arguments, words) -> None:
     assert words in jostle_command.refuses(*arguments)
 
 
-def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, jostle_command) -> None:
+def test_a_renderer_and_a_folder_that_cannot_be_had_are_refused(
+    monkeypatch, jostle_command, tmp_path
+) -> None:
     def fail() -> None:
         raise moderngl.Error("no card")
 
@@ -88,9 +86,6 @@ def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, jostle_command) -
     monkeypatch.setattr(cli.commands, "has_display", lambda: True)
     sentence = jostle_command.refuses("run", "gas", "--renderer", "opengl")
     assert "--renderer is 'opengl', but there is no OpenGL 3.3 here: no card" in sentence
-
-
-def test_a_folder_that_cannot_be_written_is_refused_first(jostle_command, tmp_path) -> None:
     file = tmp_path / "file"
     file.touch()
     sentence = jostle_command.refuses("run", "--headless", "--out", str(file / "out"))
@@ -111,12 +106,6 @@ def test_the_version_is_printed_without_the_imports_of_the_commands() -> None:
     assert (done.stdout, done.stderr) == (f"jostle {jostle.__version__}\n\n", "")
 
 
-def test_the_version_is_that_of_the_package() -> None:
-    from importlib import metadata
-
-    assert jostle.__version__ == metadata.version("jostle") == metadata.version("jostle-lab")
-
-
 def test_the_display_decides(monkeypatch) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
@@ -129,11 +118,10 @@ def test_the_display_decides(monkeypatch) -> None:
 
 
 def test_without_a_window_a_run_becomes_a_film(monkeypatch, jostle_command, tmp_path) -> None:
-    import pygame
-
     def refuse(*arguments: object, **options: object) -> None:
         raise pygame.error("no video device")
 
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
     monkeypatch.setattr(cli.commands, "has_display", lambda: True)
     monkeypatch.setattr(pygame.display, "set_mode", refuse)
     code, printed, _ = jostle_command.run("run", "gas", "-n", 5, "--steps", 2, "--out", tmp_path)
@@ -144,7 +132,10 @@ def test_without_a_window_a_run_becomes_a_film(monkeypatch, jostle_command, tmp_
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
 
 
-def test_a_file_describes_a_run_and_options_override_it(jostle_command, tmp_path) -> None:
+def test_a_file_describes_a_run_and_options_override_it(
+    monkeypatch, jostle_command, tmp_path
+) -> None:
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
     options = ["-n", "40", "--method", "brute", "--steps", "2", "--headless", "--out"]
     code, printed, _ = jostle_command.run("run", "--config", EXAMPLE, *options, tmp_path)
     assert code == 0 and (tmp_path / "gas-brute.mp4").stat().st_size
@@ -152,8 +143,14 @@ def test_a_file_describes_a_run_and_options_override_it(jostle_command, tmp_path
     assert f"{40 + 12 + 4}" in printed
 
 
-def test_a_wrong_or_a_missing_file_gets_one_sentence(jostle_command, tmp_path: Path) -> None:
+def test_a_file_that_is_wrong_or_missing_or_refused_by_the_library_gets_one_sentence(
+    jostle_command, tmp_path: Path
+) -> None:
     (tmp_path / "scene.toml").write_text("gravitas = 1")
     sentence = jostle_command.refuses("run", "--config", tmp_path / "scene.toml")
     assert "scene.toml, line 1: gravitas is not a setting; did you mean gravity?" in sentence
     assert "cannot be read" in jostle_command.refuses("run", "--config", "nowhere.toml")
+    (tmp_path / "small.toml").write_text('scene = "gas"\nn = 30\nworld_size = 0.01\n')
+    wrong = ("--headless", "--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
+    sentence = jostle_command.refuses("run", *wrong)
+    assert sentence.startswith("jostle: small.toml: radii[0] is 5; it must fit between the walls")

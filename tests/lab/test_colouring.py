@@ -39,14 +39,11 @@ def test_colours_rise_with_the_quantity(by: ColourBy, columns: dict, shows: str)
     assert colouring.legend.name.startswith(shows)
 
 
-def test_mass_is_density_times_area_whatever_the_density_alone_would_show() -> None:
+def test_mass_is_density_times_area_and_columns_over_decades_are_spread_evenly() -> None:
     frame = frame_of(PLACES, [3.0, 2.0, 1.0], densities=[1.0, 1.1, 1.2])
     shades = Colouring().shades(frame, ColourBy.MASS).astype(int)
     assert (np.diff(shades) < 0).all()
     assert (np.diff(Colouring().shades(frame, ColourBy.DENSITY).astype(int)) > 0).all()
-
-
-def test_columns_over_decades_are_spread_evenly() -> None:
     frame = frame_of(PLACES, densities=[1, 100, 10_000])
     low, middle, high = Colouring().shades(frame, ColourBy.DENSITY).astype(int)
     assert middle - low == pytest.approx(high - middle, abs=1)
@@ -79,27 +76,28 @@ def test_the_ramp_of_speeds_follows_a_scene_that_comes_to_rest_only_slowly() -> 
     assert colouring.range[1] < 0.01 * top
 
 
-def test_another_quantity_does_not_inherit_the_ramp() -> None:
+def test_changed_columns_and_another_quantity_give_new_colours() -> None:
     colouring = Colouring()
+    first = colouring.shades(frame_of(PLACES, densities=[1, 2, 3]), ColourBy.DENSITY)
+    second = colouring.shades(frame_of(PLACES, densities=[3, 2, 1]), ColourBy.DENSITY)
+    assert (first == second[::-1]).all() and (first != second).any()
     frame = frame_of(PLACES, velocities=[(1000, 0), (2000, 0), (3000, 0)])
     colouring.shades(frame, ColourBy.ENERGY)
     colouring.shades(frame, ColourBy.VELOCITY)
     assert colouring.range[1] < 10_000
 
 
-def test_changed_columns_give_new_colours() -> None:
-    colouring = Colouring()
-    first = colouring.shades(frame_of(PLACES, densities=[1, 2, 3]), ColourBy.DENSITY)
-    second = colouring.shades(frame_of(PLACES, densities=[3, 2, 1]), ColourBy.DENSITY)
-    assert (first == second[::-1]).all() and (first != second).any()
-
-
-def test_what_cannot_move_is_grey_and_does_not_stretch_the_ramp() -> None:
+def test_what_cannot_move_is_grey_and_does_not_stretch_the_ramp_any_more() -> None:
     frame = frame_of(PLACES, densities=[1, 2, 1_000_000], movable=[True, True, False])
     for by in ColourBy:
         assert Colouring().shades(frame, by)[2] == FIXED_SHADE
     assert Colouring().shades(frame, ColourBy.DENSITY)[0] == 0
     assert Colouring().shades(frame, ColourBy.DENSITY)[1] == SHADES - 1
+    colouring, before = Colouring(), frame_of(PLACES, densities=[1, 2, 9])
+    colouring.shades(before, ColourBy.DENSITY)
+    after = replace(before, movable=np.array([True, True, False]))
+    colouring.shades(after, ColourBy.DENSITY)
+    assert colouring.range == (1.0, 2.0)
 
 
 @pytest.mark.parametrize("by", ColourBy)
@@ -128,11 +126,3 @@ def test_text_has_a_font_that_comes_with_the_simulator(monkeypatch) -> None:
         assert Path(font_file(font)).is_file()
     monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
     assert font_file.__wrapped__() is None and pygame.font.Font(None).get_height()
-
-
-def test_colours_follow_what_becomes_immovable() -> None:
-    colouring, before = Colouring(), frame_of(PLACES, densities=[1, 2, 9])
-    colouring.shades(before, ColourBy.DENSITY)
-    after = replace(before, movable=np.array([True, True, False]))
-    colouring.shades(after, ColourBy.DENSITY)
-    assert colouring.range == (1.0, 2.0)

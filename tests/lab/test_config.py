@@ -75,10 +75,6 @@ def test_the_documents_name_every_entry() -> None:
         assert f"`{spelled}`" in page, name
 
 
-def test_a_file_may_be_empty(tmp_path: Path) -> None:
-    assert read(tmp_path, "").settings == Settings()
-
-
 def test_every_setting_arrives(tmp_path: Path) -> None:
     config = read(
         tmp_path,
@@ -108,9 +104,10 @@ def test_every_setting_arrives(tmp_path: Path) -> None:
     assert config.settings == replace(expected, friction=0.75, sleeping=False)
 
 
-def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
+def test_a_file_may_be_empty_and_ranges_of_particles_one_number(tmp_path: Path) -> None:
     config = read(tmp_path, "[[particles]]\nradius = 3\nspeed = [1, 2]\n[[particles]]\ncount = 2")
     assert config.settings.particles == (Group(radius=(3, 3), speed=(1.0, 2.0)), Group(count=2))
+    assert read(tmp_path, "").settings == Settings()
 
 
 WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
@@ -340,10 +337,14 @@ points = [[5, 50], [20, 50]]
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
 
 
-def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
+def test_sides_of_a_file_have_their_own_restitution_and_a_circle_has_one(tmp_path: Path) -> None:
     text = 'scene = "gas"\nn = 20\ncontainer_restitution = '
     simulation = start(read(tmp_path, text + "[0.5, 1, 0.25, 0]").settings)
-    assert simulation.world.container.restitution == (0.5, 1, 0.25, 0)
+    before = simulation.world.container
+    assert before.restitution == (0.5, 1, 0.25, 0)
+    why = "container_restitution is [0.5, 1, 0.25, 0]; a circle has one side"
+    assert simulation.adjust("container", "circle") == why
+    assert simulation.world.container == before and simulation.settings.container is None
     assert simulation.adjust("container", "torus") is None
     simulation.step()
     again = saved_and_read(simulation, tmp_path)
@@ -355,15 +356,6 @@ def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
     assert one.world.container.restitution == 0.5
     assert one.adjust("container", "circle") is None
     assert one.world.container.restitution == 0.5
-
-
-def test_a_circle_has_one_restitution(tmp_path: Path) -> None:
-    text = 'scene = "gas"\nn = 20\ncontainer_restitution = [0.5, 1, 0.25, 0]'
-    simulation = start(read(tmp_path, text).settings)
-    before = simulation.world.container
-    why = "container_restitution is [0.5, 1, 0.25, 0]; a circle has one side"
-    assert simulation.adjust("container", "circle") == why
-    assert simulation.world.container == before and simulation.settings.container is None
 
 
 def test_a_wall_of_a_file_has_its_restitution_or_that_of_the_disc(tmp_path: Path) -> None:
@@ -443,7 +435,9 @@ masks = [1, 0, 4294967295]
 """
 
 
-def test_groups_of_a_file_have_collision_filters(tmp_path: Path) -> None:
+def test_groups_of_a_file_have_collision_filters_which_are_saved_with_the_scene(
+    tmp_path: Path,
+) -> None:
     """Those of the second category do not touch each other, and others touch them."""
     simulation = start(read(tmp_path, FILTERS).settings)
     world = simulation.world
@@ -456,10 +450,6 @@ def test_groups_of_a_file_have_collision_filters(tmp_path: Path) -> None:
         assert 71 not in pairs
         seen |= {(a >= 40, b >= 40) for a, b in pairs.tolist() if max(a, b) < 70}
     assert seen == {(False, False), (False, True)}
-
-
-def test_filters_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
-    simulation = start(read(tmp_path, FILTERS).settings)
     simulation.change([0, 999], categories=[8, 1], masks=[16, 1])
     again = saved_and_read(simulation, tmp_path)
     assert again.settings == simulation.settings
@@ -476,12 +466,17 @@ def test_a_group_may_fill_the_walls_and_overlap_them(tmp_path: Path) -> None:
     assert len(simulation.frame()) == 1
 
 
-def test_a_file_that_is_no_text(tmp_path: Path) -> None:
+def test_a_file_is_text_in_utf_8_with_or_without_the_mark_that_some_editors_put_first(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "film.mp4").write_bytes(b"\x00\xff\xfe")
     with pytest.raises(ConfigError, match=r"film\.mp4 is not a text in UTF-8"):
         read_config(tmp_path / "film.mp4")
     with pytest.raises(FileNotFoundError):
         read_config(tmp_path / "missing.toml")
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b'\xef\xbb\xbfscene = "gas"\nn = 5\n')
+    assert read_config(path).settings.n == 5
 
 
 LINES = '''a = """
@@ -566,12 +561,6 @@ def test_no_part_of_a_file_is_read_repeatedly(tmp_path: Path, monkeypatch, text:
     monkeypatch.setattr(tomllib, "loads", counted)
     assert "scene.toml, line " in refusal(tmp_path, text)
     assert read <= (2 + len(text).bit_length()) * len(text)
-
-
-def test_the_mark_that_some_editors_put_first_is_no_mistake(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_bytes(b'\xef\xbb\xbfscene = "gas"\nn = 5\n')
-    assert read_config(path).settings.n == 5
 
 
 def test_a_group_of_sensors_reports_and_does_not_push(tmp_path) -> None:

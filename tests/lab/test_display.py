@@ -72,7 +72,9 @@ def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
     window.close()
 
 
-def test_software_opengl_is_used_only_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_software_opengl_is_used_only_if_asked_for_and_software_without_a_context(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     name = open_screen("opengl").painter.renderer
     monkeypatch.setattr(opengl, "_EMULATORS", (name.lower(),))
     assert Screen(SIZE, "auto").painter.name == "software"
@@ -81,8 +83,6 @@ def test_software_opengl_is_used_only_when_it_is_asked_for(monkeypatch: pytest.M
     assert Screen(SIZE, "auto").painter.name == "opengl"
     assert Screen(SIZE, "software").painter.name == "software"
 
-
-def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail() -> None:
         raise moderngl.Error("no card")
 
@@ -110,7 +110,7 @@ def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
     window = open_gas(renderer=renderer)
     built = []
     window.builders.append(lambda session, host: built.append((session, host)))
-    for size in [(500, 300), (640, 360)]:
+    for size in [(500, 300), (150, 90), (640, 360)]:
         window.frame(FRAME)
         if renderer == "software":
             pygame.display.set_mode(size, pygame.RESIZABLE)

@@ -39,7 +39,7 @@ def answer(*args, **options) -> Explanation:
     return why
 
 
-def test_two_that_overlap() -> None:
+def test_two_that_overlap_with_and_without_filters_that_match() -> None:
     why = answer([(10, 10), (13, 14)], [3, 4])
     assert why.touching and why.compared
     assert why.lines[0] == "Particles 0 and 1 touch: they overlap by 2."
@@ -51,9 +51,6 @@ def test_two_that_overlap() -> None:
     )
     assert why.boxes == ((7, 7, 13, 13), (9, 10, 17, 18))
     assert why.centres == ((10, 10), (13, 14))
-
-
-def test_two_whose_filters_do_not_match() -> None:
     frame, settings = frame_of([(10, 10), (13, 14)], [3, 4])
     filters = {"categories": np.array([1, 2], np.uint32), "masks": np.array([3, 2], np.uint32)}
     why = explain(replace(frame, **filters), 0, 1, settings)
@@ -61,14 +58,11 @@ def test_two_whose_filters_do_not_match() -> None:
     assert why.lines[-1] == "Their collision filters do not match: they pass through each other."
 
 
-def test_two_whose_boxes_overlap_but_not_the_circles() -> None:
+def test_two_whose_boxes_overlap_but_not_the_circles_also_if_they_just_meet() -> None:
     why = answer([(0, 0), (3, 4)], [2, 2.5])
     assert not why.touching
     assert why.lines[0] == "Particles 0 and 1 do not touch: the gap is 0.5."
     assert "Their AABBs overlap, but the circles do not" in why.lines[2]
-
-
-def test_two_that_just_meet_do_not_touch() -> None:
     why = answer([(0, 0), (3, 4)], [2, 3])
     said = "Particles 0 and 1 do not touch: the gap is 0, and touching requires overlap."
     assert not why.touching and why.lines[0] == said
@@ -83,11 +77,14 @@ def test_on_which_axis_boxes_are_apart(place, words) -> None:
     assert why.lines[2] == f"Their AABBs are separated {words}so they cannot touch."
 
 
-def test_across_the_seam_of_a_torus() -> None:
+def test_across_the_seam_of_a_torus_and_without_an_answer_for_one_that_is_gone() -> None:
     why = answer([(1, 50), (99, 50)], [2, 2], Torus(100, 100))
     assert why.touching
     assert "overlap by 2" in why.lines[0]
     assert why.centres == ((1, 50), (-1, 50))
+    frame, settings = frame_of([(0, 0), (1, 1)], 1.0)
+    assert explain(frame, 0, 2, settings) is None
+    assert explain(frame, 1, 1, settings) is None
 
 
 def test_leaves_that_are_apart_part_what_they_hold() -> None:
@@ -131,23 +128,14 @@ def test_nothing_is_said_of_what_a_step_has_tested() -> None:
         )
 
 
-def test_without_a_tree_every_pair_is_tested() -> None:
-    why = answer([(0, 0), (50, 50)], 1.0, method="brute")
-    assert why.compared and why.leaves == ()
-    assert why.lines[3] == "Without a tree every pair is tested."
-
-
-def test_contacts_that_are_not_a_bounce_are_explained() -> None:
+def test_brute_force_and_contacts_that_are_not_a_bounce_are_explained() -> None:
     near = [(0, 0), (1, 0)]
     assert "collisions are off" in answer(near, 1.0, on_touch="ignore").lines[-1]
     assert "merge at the end" in answer(near, 1.0, on_touch="merge").lines[-1]
     assert "Both are immovable" in answer(near, 1.0, movable=[False, False]).lines[-1]
-
-
-def test_one_that_is_gone_has_no_answer() -> None:
-    frame, settings = frame_of([(0, 0), (1, 1)], 1.0)
-    assert explain(frame, 0, 2, settings) is None
-    assert explain(frame, 1, 1, settings) is None
+    why = answer([(0, 0), (50, 50)], 1.0, method="brute")
+    assert why.compared and why.leaves == ()
+    assert why.lines[3] == "Without a tree every pair is tested."
 
 
 def test_a_session_answers_for_two_selected_until_it_is_taken_back() -> None:

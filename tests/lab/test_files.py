@@ -59,16 +59,6 @@ def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     assert simulation.add([(9, 9)], [(0, 0)], 1.0) == again.add([(9, 9)], [(0, 0)], 1.0)
 
 
-def test_going_back_to_a_state_undoes_rules_and_particles() -> None:
-    simulation = start(Settings("gas", 50))
-    state = simulation.save()
-    simulation.adjust("gravity", (0.0, 100.0))
-    simulation.remove([0, 1, 2])
-    simulation.load(state)
-    assert (len(simulation), simulation.settings.gravity) == (50, None)
-    assert tuple(simulation.world.gravity) == tuple(start(Settings("gas", 50)).world.gravity)
-
-
 def test_other_bytes_leave_a_simulation_as_it_was() -> None:
     simulation = start(Settings("gas", 5))
     before = simulation.save()
@@ -157,7 +147,9 @@ def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, se
     assert second.engine.simulation.save() == first.engine.simulation.save()
 
 
-def test_files_have_names_of_their_own_and_a_notice_says_where(session: Session) -> None:
+def test_files_have_names_of_their_own_and_a_notice_says_where_they_are(
+    session: Session, tmp_path: Path
+) -> None:
     for _ in range(3):
         session.files.save()
         session.files.screenshot()
@@ -167,6 +159,8 @@ def test_files_have_names_of_their_own_and_a_notice_says_where(session: Session)
     session.files.save()
     assert session.message == f"Saved {session.files.scenes()[0]}"
     assert len(session.files.scenes()) == 4
+    path = new_path(tmp_path, "../a b/c", ".png")
+    assert path.parent == tmp_path and path.name.startswith("-a-b-c-")
 
 
 def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
@@ -231,11 +225,6 @@ def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(session, tmp_
         assert looks == (session.camera.center, session.camera.scale, session.view_options.tree)
     session.files.load(tmp_path / "good.jostle")
     assert session.message == "Loaded good.jostle"
-
-
-def test_names_of_scenes_make_names_of_files(tmp_path: Path) -> None:
-    path = new_path(tmp_path, "../a b/c", ".png")
-    assert path.parent == tmp_path and path.name.startswith("-a-b-c-")
 
 
 def test_a_screenshot_is_the_picture(session: Session) -> None:

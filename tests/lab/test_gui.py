@@ -186,15 +186,12 @@ def test_twice_the_density_is_twice_the_size(panel: Panel) -> None:
     assert panel.clicks == 1
 
 
-def test_triangles_become_outlines_again() -> None:
+def test_triangles_become_outlines_again_whose_coverage_is_the_area() -> None:
     fan_and_line = np.array([[0, 1, 2], [0, 2, 3], [4, 6, 7], [4, 7, 5], [8, 9, 10]])
     outlines = outlines_of(fan_and_line)
     found = [list(outlines.corners(k)) for k in range(len(outlines))]
     assert found == [[0, 1, 2, 3], [4, 6, 7, 5], [8, 9, 10]]
     assert list(outlines.quads[1]) == [4, 6, 7, 5]
-
-
-def test_coverage_is_the_area() -> None:
     square = np.array([(1.5, 1.0), (5.5, 1.0), (5.5, 4.0), (1.5, 4.0)])
     covered = coverage([square], (7, 6))
     assert covered.sum() / 255 == pytest.approx(12, abs=0.05)

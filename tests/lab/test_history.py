@@ -65,12 +65,16 @@ def test_stepping_back_and_on_again_is_the_same_way(settings: Settings) -> None:
     assert len(session.runner.history.moments) == 12  # the old future has gone
 
 
-def test_stepping_back_ends_at_the_beginning() -> None:
+def test_stepping_back_ends_at_the_beginning_and_beginning_anew_forgets() -> None:
     session = session_of(Settings("gas", 20))
     (first, _) = run(session, 1)
     for _ in range(3):
         session.runner.step_back()
     assert fingerprint(session) == first
+    run(session, 5)
+    session.runner.restart()
+    assert (session.runner.history.span, len(session.runner.history.moments)) == (0.0, 1)
+    np.testing.assert_array_equal(session.frame.tags, np.arange(20))
 
 
 @pytest.mark.parametrize("stride", [1, 5])
@@ -129,7 +133,7 @@ def test_a_drag_before_a_refused_step_is_not_forgotten(monkeypatch) -> None:
     assert fingerprint(session) == prints[-1]
 
 
-def test_an_edit_in_a_pause_is_undone_by_a_step_back_and_not_lost_by_scrubbing() -> None:
+def test_an_edit_in_a_pause_is_undone_by_a_step_back_and_in_the_past_ends_the_old_future() -> None:
     session = session_of(Settings("gas", 50))
     run(session, 3)
     before = fingerprint(session)
@@ -139,16 +143,12 @@ def test_an_edit_in_a_pause_is_undone_by_a_step_back_and_not_lost_by_scrubbing()
     assert fingerprint(session) == before and len(session.frame) == 50
     session.runner.rewind(0.0)
     assert fingerprint(session) == edited and len(session.frame) == 49
-
-
-def test_an_edit_in_the_past_ends_the_old_future() -> None:
-    session = session_of(Settings("gas", 50))
     run(session, 10)
     session.runner.rewind(5 * session.engine.time_step)
-    session.engine.edit(lambda simulation: simulation.remove([0]))
+    session.engine.edit(lambda simulation: simulation.remove([1]))
     session.runner.rewind(0.0)
-    assert len(session.frame) == 49
-    assert session.runner.history.span == pytest.approx(5 * session.engine.time_step)
+    assert len(session.frame) == 48
+    assert session.runner.history.span == pytest.approx(8 * session.engine.time_step)
 
 
 def test_what_changes_nothing_leaves_the_future_alone(tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_it_reaches_back_as_far_as_it_says(seconds: float) -> None:
     assert history.span == pytest.approx(seconds, abs=1.5 * simulation.time_step)
 
 
-def test_memory_stays_within_the_budget_and_states_stay_right() -> None:
+def test_memory_stays_within_the_budget_and_a_larger_world_keeps_one_snapshot() -> None:
     simulation = start(Settings("gas", 100))
     budget = 12 * len(simulation.save())
     history, prints = History(simulation, seconds=1e9, budget=budget), {}
@@ -199,9 +199,6 @@ def test_memory_stays_within_the_budget_and_states_stay_right() -> None:
         history.show(simulation, index)
         step = round(history.moments[index].time * 60)
         assert step == 0 or simulation.world.state_hash() == prints[step]
-
-
-def test_a_world_larger_than_the_budget_keeps_one_snapshot() -> None:
     simulation = start(Settings("gas", 100))
     history = History(simulation, budget=1)
     for _ in range(200):
@@ -220,11 +217,3 @@ def test_where_steps_are_slow_a_snapshot_is_shown_instead() -> None:
     session.runner.rewind(5 / 60)
     assert session.runner.history.at == 8
     assert fingerprint(session) == prints[8]
-
-
-def test_beginning_anew_forgets() -> None:
-    session = session_of(Settings("gas", 50))
-    run(session, 5)
-    session.runner.restart()
-    assert (session.runner.history.span, len(session.runner.history.moments)) == (0.0, 1)
-    np.testing.assert_array_equal(session.frame.tags, np.arange(50))

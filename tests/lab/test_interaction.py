@@ -90,7 +90,7 @@ def test_space_attracts_all_by_distance_and_stops_on_release() -> None:
     assert (driver.session.frame.velocities[:, 0] <= speeds + 1e-4).all()
 
 
-def test_space_follows_the_cursor_and_spares_what_was_placed() -> None:
+def test_space_follows_the_cursor_spares_what_was_placed_and_ends_without_the_keys() -> None:
     driver = Driver(world_of([(200, 100)]))
     driver.session.interaction.attractors.place((10, 10))
     driver.key(pygame.K_SPACE, up=False)
@@ -100,9 +100,6 @@ def test_space_follows_the_cursor_and_spares_what_was_placed() -> None:
         assert driver.session.frame.attractors[-1].point == pytest.approx(point, abs=1)
     driver.key_up(pygame.K_SPACE)
     assert [pull.point for pull in driver.session.frame.attractors] == [(10, 10)]
-
-
-def test_space_ends_when_the_window_loses_the_keys() -> None:
     driver = Driver(world_of([(200, 100)]))
     driver.key(pygame.K_SPACE, up=False)
     driver.frames(2)
@@ -112,23 +109,13 @@ def test_space_ends_when_the_window_loses_the_keys() -> None:
     assert not driver.session.frame.attractors
 
 
-def test_a_adds_a_particle_of_the_usual_size_at_the_cursor() -> None:
+def test_a_adds_a_particle_of_the_usual_size_at_the_cursor_the_median_of_what_moves() -> None:
     driver = Driver(world_of([(200, 100), (300, 100)]), paused=True)
     driver.point_at((500, 300))
     driver.key(pygame.K_a)
     frame = driver.session.frame
     assert len(frame) == 3 and frame.positions[2] == pytest.approx((500, 300), abs=1)
     assert frame.radii[2] == 10 and frame.densities[2] == 1
-
-
-def test_adding_outside_the_walls_is_no_error() -> None:
-    driver = Driver(world_of([(200, 100)]))
-    driver.session.interaction.commands.create((-5000.0, 100.0))
-    driver.frames(2)
-    assert (driver.world.positions[:, 0] >= 0).all()
-
-
-def test_the_usual_size_is_the_median_of_what_moves() -> None:
     movable = [True] * 3 + [False] * 2
     assert usual(world_of([(0, 0)] * 5, radii=[1, 2, 3, 50, 50], movable=movable).frame()) == (2, 1)
     assert usual(world_of([]).frame()) == (10, 1)
@@ -160,7 +147,7 @@ def test_d_clones_next_to_the_original_with_its_velocity() -> None:
     assert (frame.radii == 10).all() and (frame.densities == 1).all()
 
 
-def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
+def test_clones_of_a_wide_selection_stay_between_the_walls_and_inside_a_circle() -> None:
     places = [(x, y) for x in range(40, 800, 80) for y in range(40, 500, 80)]
     driver = Driver(world_of(places), paused=True)
     driver.session.interaction.commands.clone(driver.session.frame.tags)
@@ -169,9 +156,6 @@ def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
     assert len(now) == 2 * len(places)
     assert (now > 9.99).all() and (now < np.array([790.01, 490.01])).all()
     assert len(jostle.find_pairs(now, 10.0)) == 0
-
-
-def test_clones_stay_inside_a_circle() -> None:
     places = [(400 + x, 250 + y) for x, y in ((0, 180), (0, -180), (130, 130), (-185, 0), (20, 0))]
     driver = Driver(world_of(places, container=jostle.Circle((400, 250), 200)), paused=True)
     driver.session.interaction.commands.clone(driver.session.frame.tags)
@@ -220,7 +204,7 @@ def test_frames_name_contacts_and_springs_by_rows() -> None:
     assert frame.springs.tolist() == frame.contacts.pairs.tolist() == [[0, 1]]
 
 
-def test_a_held_particle_is_found_after_others_are_removed() -> None:
+def test_a_held_particle_is_found_after_others_are_removed_and_pulled_no_more_when_let_go() -> None:
     simulation = world_of([(100, 100), (300, 100), (500, 100)])
     simulation.remove([0])
     simulation.grab(2, (520.0, 100.0), (0.0, 0.0))
@@ -229,9 +213,6 @@ def test_a_held_particle_is_found_after_others_are_removed() -> None:
     assert speeds[0] == 0 and speeds[1] > 0
     simulation.remove([2])
     assert simulation.world.forces == ()
-
-
-def test_what_is_let_go_is_pulled_no_more_also_in_a_saved_state() -> None:
     simulation = world_of([(100, 100), (300, 100)])
     simulation.grab(1, (320.0, 100.0), (0.0, 0.0))
     simulation.step()
@@ -380,7 +361,7 @@ def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> Non
     assert len(driver.session.frame) == 1
 
 
-def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused() -> None:
+def test_a_key_held_without_end_and_points_outside_the_walls_or_the_world_are_no_error() -> None:
     session = Driver(world_of([(200, 250), (600, 250)])).session
     for _ in range(900):
         session.interaction.gravity.scale(3.0)
@@ -393,6 +374,10 @@ def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused() -> No
         session.advance(FRAME)
     assert len(session.interaction.attractors.placed) == 2
     assert (abs(session.frame.positions) <= 1e18).all()
+    driver = Driver(world_of([(200, 100)]))
+    driver.session.interaction.commands.create((-5000.0, 100.0))
+    driver.frames(2)
+    assert (driver.world.positions[:, 0] >= 0).all()
 
 
 def test_the_app_writes_into_no_column_that_a_world_returns() -> None:

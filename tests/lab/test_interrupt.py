@@ -44,18 +44,15 @@ def press() -> None:
     signal.raise_signal(signal.SIGINT)
 
 
-def test_without_a_block_the_process_ends_at_once(handled) -> None:
-    with pytest.raises(LeftError):
-        press()
-
-
-def test_a_block_of_raised_is_interrupted_once(handled) -> None:
+def test_a_block_of_raised_is_interrupted_once_and_without_one_the_process_ends(handled) -> None:
     with pytest.raises(KeyboardInterrupt), interrupt.raised():
         try:
             press()
         finally:
             with pytest.raises(LeftError):
                 press()
+    with pytest.raises(LeftError):
+        press()
 
 
 def test_an_interrupt_is_delayed_until_the_end_of_a_block_of_held(handled) -> None:

@@ -44,28 +44,22 @@ def test_a_label_names_the_key_of_its_command() -> None:
         assert COMMANDS[key] == command
 
 
-def test_every_command_has_a_key_and_every_key_a_command() -> None:
+def test_every_command_has_a_key_and_an_explanation_and_no_key_means_two_things() -> None:
     commands = [command for control in KEYMAP for command in control.keys]
     assert len(commands) == len(set(commands))
     assert {*HANDLERS, *HELD} == set(commands)
     assert not HELD & HANDLERS.keys()
-
-
-def test_no_key_means_two_things() -> None:
     keys = [key for control in KEYMAP for names in control.keys.values() for key in names.split()]
     assert len(keys) == len(set(keys))
+    assert all(control.label and control.meaning for control in KEYMAP)
+    assert len({control.label for control in KEYMAP}) == len(KEYMAP)
+    assert set(PANNING) == {"left", "right", "up", "down"}
 
 
 def test_a_line_of_several_keys_tells_which_is_which() -> None:
     assert key_of("step") == "O" and key_of("step back") == "U"
     assert key_of("help") == "H" and key_of("delete") == "Del"
     assert key_of("left") == "arrows"
-
-
-def test_every_control_is_explained_once() -> None:
-    assert all(control.label and control.meaning for control in KEYMAP)
-    assert len({control.label for control in KEYMAP}) == len(KEYMAP)
-    assert set(PANNING) == {"left", "right", "up", "down"}
 
 
 def test_the_document_is_the_table() -> None:
@@ -94,11 +88,8 @@ def test_help_fits_on_the_screen(size: tuple[int, int]) -> None:
     assert abs(place.centerx - size[0] / 2) < 4
 
 
-def test_help_in_no_room_at_all_is_no_error() -> None:
+def test_help_in_no_room_at_all_is_no_error_and_in_the_usual_window_it_is_not_shrunk() -> None:
     assert min(help_in((1, 1)).size) > 0
-
-
-def test_help_is_not_shrunk_in_the_usual_window() -> None:
     assert help_in((1280, 720)).size == help_in((1920, 1080)).size
 
 
@@ -128,7 +119,8 @@ def test_e_cycles_what_the_colours_tell() -> None:
 def test_x_clears_the_trails() -> None:
     driver = Driver(world_of([(100, 100)], gravity=(900.0, 0.0)))
     driver.session.view_options.trails, driver.session.view_options.tree = True, TreeView.OFF
-    driver.frames(20)
+    for _ in range(20):
+        driver.frames()
     driver.session.runner.paused = True
     behind = driver.pixel((105, 100))  # where the disc has been
 

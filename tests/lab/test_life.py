@@ -43,14 +43,11 @@ def test_a_click_raises_an_attraction_and_a_right_click_lowers_it(desk: Desk) ->
     assert matrix_of(desk)[0, 0] == 1.0
 
 
-def test_a_preset_is_chosen_and_named(desk: Desk) -> None:
+def test_a_preset_and_random_matrices_are_chosen(desk: Desk) -> None:
     desk.click("preset")
     desk.click("preset: flowers")
     np.testing.assert_array_equal(matrix_of(desk), life.MATRICES["flowers"])
     assert desk.session.settings.matrix == "flowers"
-
-
-def test_random_matrices(desk: Desk) -> None:
     desk.click("randomise")
     first = matrix_of(desk)
     desk.click("randomise")

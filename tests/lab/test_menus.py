@@ -76,7 +76,7 @@ def test_immovable_and_movable_again() -> None:
     assert driver.world.positions[1, 1] > 301
 
 
-def test_the_menu_acts_on_the_whole_selection() -> None:
+def test_the_menu_acts_on_the_whole_selection_or_on_a_particle_outside_it_alone() -> None:
     driver = Driver(world_of([*TWO, (600, 400)]))
     driver.drag((150, 50), (450, 350))
     driver.click((400, 300), RIGHT)
@@ -87,6 +87,11 @@ def test_the_menu_acts_on_the_whole_selection() -> None:
     choose(driver, "select", (600, 400))
     assert tags(driver.session.interaction.selection.tags) == [2]
     assert line_of(driver, "select").checked
+    driver = Driver(world_of([*TWO, (600, 400)]))
+    driver.drag((150, 50), (450, 350))
+    choose(driver, "delete", (600, 400))
+    assert tags(driver.session.frame.tags) == [0, 1]
+    assert tags(driver.session.interaction.selection.tags) == [0, 1]
 
 
 def test_two_selected_particles_can_be_asked_about() -> None:
@@ -98,22 +103,6 @@ def test_two_selected_particles_can_be_asked_about() -> None:
     assert driver.session.question.pair == (0, 1)
     driver.key(pygame.K_w)
     assert driver.session.question.pair is None
-
-
-def test_a_particle_outside_the_selection_is_acted_on_alone() -> None:
-    driver = Driver(world_of([*TWO, (600, 400)]))
-    driver.drag((150, 50), (450, 350))
-    choose(driver, "delete", (600, 400))
-    assert tags(driver.session.frame.tags) == [0, 1]
-    assert tags(driver.session.interaction.selection.tags) == [0, 1]
-
-
-def test_the_menu_ends_with_its_particle() -> None:
-    driver = Driver(world_of(TWO))
-    driver.click((400, 300), RIGHT)
-    driver.session.engine.edit(lambda simulation: simulation.remove([1]))
-    assert is_over(driver.session.interaction.menu, driver.session.frame)
-    assert numbers(driver.session.interaction.menu, driver.session.frame) == {}
 
 
 def test_create_and_attract_here() -> None:
@@ -217,7 +206,9 @@ def test_a_right_click_elsewhere_ends_one_menu_and_the_next_opens_another(driver
 
 def test_the_menu_closes_when_its_particle_goes(driver: Driver) -> None:
     open_at(driver, (400, 300))
+    menu = driver.session.interaction.menu
     driver.session.engine.edit(lambda simulation: simulation.remove([1]))
+    assert is_over(menu, driver.session.frame) and numbers(menu, driver.session.frame) == {}
     driver.frames(3)
     assert driver.session.interaction.menu is None and not driver.window.gui.modal
 

@@ -70,16 +70,13 @@ def test_a_translucent_edge_lets_the_disc_below_show_through() -> None:
     assert 80 < red < 120 and 120 < blue < 160
 
 
-def test_a_contact_is_a_bar_along_the_normal_where_they_touch() -> None:
+def test_a_contact_is_a_bar_along_the_normal_and_deeper_ones_are_warmer() -> None:
     frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching_of((0, 1), (1, 0), [0.0]))
     notes, said = drawn(marks.draw_contacts, frame)
     assert said is None
     ((x0, y0, x1, y1),) = notes.lines_drawn()
     assert (x0 + x1) / 2 == pytest.approx(110) and y0 == y1 == pytest.approx(100)
     assert 3 < x1 - x0 < 20
-
-
-def test_deeper_contacts_are_warmer() -> None:
     pairs = touching_of([(0, 1), (0, 2)], [(1, 0), (0, 1)], [0.0, 4.0])
     frame = frame_of([(100, 100), (120, 100), (100, 116)], 10.0, contacts=pairs)
     notes, _ = drawn(marks.draw_contacts, frame)
@@ -87,10 +84,13 @@ def test_deeper_contacts_are_warmer() -> None:
     assert deep[2] < calm[2] and deep[0] >= calm[0] - 10
 
 
-def test_too_many_contacts_are_drawn_in_part_and_it_is_said() -> None:
+def test_of_too_many_contacts_or_forces_some_are_drawn_and_it_is_said() -> None:
     notes, said = drawn(marks.draw_contacts, crowd(marks.MOST_CONTACTS))
     assert len(notes.lines_drawn()) == marks.MOST_CONTACTS
     assert said is not None and f"{marks.MOST_CONTACTS:,} of" in said
+    notes, said = drawn(marks.draw_force_chains, crowd(marks.MOST_CHAINS, 5.0))
+    assert len(notes.lines_drawn()) == marks.MOST_CHAINS
+    assert said is not None and f"{marks.MOST_CHAINS:,} largest of" in said
 
 
 def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_widest() -> None:
@@ -113,12 +113,6 @@ def test_contacts_without_impulses_are_no_force_chains() -> None:
         frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching)
         notes, said = drawn(marks.draw_force_chains, frame)
         assert said is None and len(notes.lines_drawn()) == 0
-
-
-def test_the_smallest_of_too_many_forces_are_left_out() -> None:
-    notes, said = drawn(marks.draw_force_chains, crowd(marks.MOST_CHAINS, 5.0))
-    assert len(notes.lines_drawn()) == marks.MOST_CHAINS
-    assert said is not None and f"{marks.MOST_CHAINS:,} largest of" in said
 
 
 def test_sensors_are_rings_and_no_walls() -> None:
@@ -144,7 +138,7 @@ def test_radius_lines_show_the_angles_of_large_discs() -> None:
     assert len(still.lines_drawn()) == 0
 
 
-def test_arrows_point_where_particles_go_and_faster_ones_are_longer() -> None:
+def test_arrows_point_where_particles_go_and_of_many_the_same_are_shown() -> None:
     frame = frame_of([(50, 50), (200, 200)], 10.0, velocities=[(60, 0), (0, -120)])
     notes, said = drawn(marks.draw_velocities, frame)
     ends = notes.lines_drawn()
@@ -153,9 +147,6 @@ def test_arrows_point_where_particles_go_and_faster_ones_are_longer() -> None:
     assert shafts[0, 0] > 5 and shafts[0, 1] == 0
     assert shafts[1, 1] == pytest.approx(-2 * shafts[0, 0]) and shafts[1, 0] == 0
     assert len(ends) == 6 and (ends[2:4, :2] == ends[:2, 2:]).all()  # heads begin at the tips
-
-
-def test_many_velocities_are_shown_sparsely_and_always_for_the_same_particles() -> None:
     places = np.random.default_rng(1).uniform(10, 230, (3_000, 2))
     frame = frame_of(places, velocities=np.tile((50.0, 0.0), (3_000, 1)))
     (notes, said), (again, _) = (drawn(marks.draw_velocities, frame) for _ in range(2))
@@ -261,28 +252,22 @@ def test_a_trail_follows_its_particle_when_rows_move_up() -> None:
     assert len(np.unique(ends[:, 1])) == 2
 
 
-def test_trails_show_as_many_as_are_cheap() -> None:
+def test_trails_show_as_many_as_are_cheap_and_begin_anew_after_going_back() -> None:
     places = np.random.default_rng(2).uniform(10, 230, (1_000, 2))
     _, said = trails(Trails(), frame_of(places))
     assert said == f"trails: {marks.MOST_TRAILS:,} of 1,000 shown"
-
-
-def test_going_back_in_time_begins_trails_anew() -> None:
     path = Trails()
     walk(path, 30)
     notes = walk(path, 1)
     assert all(x0 == x1 for x0, _, x1, _ in notes.lines_drawn())
 
 
-def test_labels_stand_on_discs_that_are_large_enough() -> None:
+def test_labels_stand_on_discs_that_are_large_enough_and_not_too_many() -> None:
     frame = frame_of([(60, 60), (150, 60), (240, 60)], [30.0, 8.0, 2.0])
     notes, said = drawn(marks.draw_labels, frame)
     places = notes.sheets_drawn()
     assert said is None and len(places) == 3  # tag and speed on the large one, the tag on the other
     assert all(x < 160 for x, _ in places)
-
-
-def test_labels_say_when_they_are_too_small_or_too_many() -> None:
     notes, said = drawn(marks.draw_labels, frame_of([(60, 60)], 1.0))
     assert said == "labels: zoom in to see them" and not notes.sheets_drawn()
     many = frame_of(np.random.default_rng(3).uniform(10, 230, (300, 2)), 8.0)

@@ -186,7 +186,7 @@ def test_a_range_comes_back_to_the_value_it_shows() -> None:
             assert span.value(span.position(value)) == pytest.approx(value)
 
 
-def test_a_number_can_be_typed(desk) -> None:
+def test_numbers_can_be_typed_and_time_scale_and_threads_reach_the_settings(desk) -> None:
     here = desk()
     here.click("particles number")
     here.type("321")
@@ -197,10 +197,6 @@ def test_a_number_can_be_typed(desk) -> None:
     here.click("drag number")
     here.type("99")
     assert here.world.drag == 5.0, "what is too much becomes the most"
-
-
-def test_time_scale_and_threads_reach_the_settings(desk) -> None:
-    here = desk()
     here.slide("time scale", 0.2)
     assert here.session.settings.time_scale < 0.5
     here.slide("threads", 0.0)
@@ -235,13 +231,6 @@ def test_a_click_changes_one_bit_of_all_selected_particles(desk) -> None:
     assert (here.world.categories[-1], here.world.masks[-1]) == (1 << 20, 2**32 - 129)
 
 
-def test_a_click_on_a_scene_begins_it(desk) -> None:
-    here = desk()
-    here.click("scene pile")
-    assert here.session.engine.scene == "pile"
-    assert len(here.session.frame) == 1000
-
-
 def test_the_buttons_do_what_the_keys_do(desk) -> None:
     here = desk()
     here.click("pause")
@@ -249,19 +238,25 @@ def test_the_buttons_do_what_the_keys_do(desk) -> None:
     steps = here.session.engine.steps
     here.click("step")
     assert here.session.engine.steps == steps + 1 and here.session.runner.paused
+    after = here.session.frame.stats.time
+    here.click("step back")
+    assert here.session.frame.stats.time < after
     here.click("restart")
     assert here.session.frame.stats.time == 0.0
     here.click("pause")
     assert not here.session.runner.paused
 
 
-def test_previous_and_next_scene_undo_each_other(desk) -> None:
+def test_clicks_choose_the_previous_the_next_or_a_named_scene(desk) -> None:
     here = desk()
     here.click("next scene")
     names = jostle.scenes.names()
     assert here.session.engine.scene == names[names.index("gas") + 1]
     here.click("previous scene")
     assert here.session.engine.scene == "gas"
+    here.click("scene pile")
+    assert here.session.engine.scene == "pile"
+    assert len(here.session.frame) == 1000
 
 
 def test_the_method_changes_under_the_same_particles(desk) -> None:
@@ -293,15 +288,6 @@ def test_a_second_method_runs_next_to_the_scene(desk) -> None:
     here.click("compare with")
     here.click("compare with: ")
     assert here.session.runner.race is None
-
-
-def test_a_step_can_be_taken_back(desk) -> None:
-    here = desk()
-    here.click("pause")
-    here.click("step")
-    after = here.session.frame.stats.time
-    here.click("step back")
-    assert here.session.frame.stats.time < after
 
 
 def test_more_particles_come_into_the_scene_where_there_is_room(desk) -> None:
@@ -343,16 +329,13 @@ def test_lists_to_choose_from(desk) -> None:
     assert here.session.view_options.colour_by is ColourBy.MASS
 
 
-def test_drift_can_be_measured_from_now_on(desk) -> None:
+def test_drift_can_be_measured_from_now_on_and_says_for_how_long_or_why_not(desk) -> None:
     here = desk("pile")
     here.frame(40)
     statistics = here.session.runner.statistics
     first = statistics.reference
     here.click("measure drift")
     assert statistics.reference is not first and statistics.reference is not None
-
-
-def test_drift_says_how_long_it_was_measured_or_why_not(desk) -> None:
     here = desk("gas")
     here.frame(60)
     assert panels.statistics_panel.change_text(here.session, "+0.00 %") == "+0.00 % in 1 s"
@@ -374,12 +357,17 @@ def test_statistics_fold_and_the_camera_takes_their_room(desk) -> None:
     assert here.session.camera.right == right
 
 
-def test_sections_fold(desk) -> None:
+def test_sections_fold_and_hidden_panels_give_all_room_to_the_scene(desk) -> None:
     here = desk()
     here.click("section Method")
     here.gui.marks.clear()
     here.frame()
     assert "brute" not in here.gui.marks and "tree" in here.gui.marks
+    assert here.gui.covers((10, 500))
+    here.session.toggle("panels")
+    here.frame(2)
+    assert not here.gui.covers((10, 500))
+    assert here.session.camera.left == here.session.camera.right == 0
 
 
 @pytest.mark.parametrize("size", [(640, 360), (960, 540), (1280, 720), (1920, 1080), (3840, 2160)])
@@ -390,25 +378,13 @@ def test_panels_leave_the_scene_half_of_every_window(desk, size) -> None:
     assert here.session.camera.left > 0
 
 
-def test_there_is_no_column_where_nothing_would_be_left(desk) -> None:
+def test_there_is_one_column_in_a_narrow_window_and_none_in_a_small_one(desk) -> None:
     here = desk("gas", 50, (400, 300))
     assert not here.gui.covers((10, 150))
     assert here.session.camera.left == 0
-
-
-def test_a_narrow_window_has_the_statistics_in_its_column(desk) -> None:
     here = desk("gas", 50, (800, 3000))
     assert here.session.camera.right == 0
     assert here.gui.marks["plot times"].right < 400
-
-
-def test_hidden_panels_give_all_room_to_the_scene(desk) -> None:
-    here = desk()
-    assert here.gui.covers((10, 500))
-    here.session.toggle("panels")
-    here.frame(2)
-    assert not here.gui.covers((10, 500))
-    assert here.session.camera.left == here.session.camera.right == 0
 
 
 def test_no_click_on_a_panel_reaches_the_scene(desk) -> None:

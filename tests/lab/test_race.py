@@ -143,13 +143,15 @@ def test_a_changed_setting_begins_both_anew(open_race) -> None:
     assert [(each.stats.time, each.steps) for each in contestants] == [(0, 0)] * 2
 
 
-def test_pause_and_single_steps_hold_for_both(open_race) -> None:
+def test_pause_and_single_steps_hold_for_both_and_b_does_not_end_a_race(open_race) -> None:
     window = open_race(Settings("gas", 100))
     session = window.session
     session.runner.single_step()
     for _ in range(3):
         window.frame(FRAME)
     assert [contestant.steps for contestant in session.runner.race.contestants] == [1, 1]
+    window.session.runner.switch_method()
+    assert window.session.runner.race is not None and "Q ends" in window.session.message
 
 
 def test_a_race_of_the_article_looks_at_the_same_part_of_the_world(open_race) -> None:
@@ -209,9 +211,3 @@ def test_another_size_of_window_divides_it_anew(open_race) -> None:
         window.frame(FRAME)
     left, right = halves(window)
     assert (left != left[0, 0]).any() and (right != right[0, 0]).any()
-
-
-def test_b_does_not_end_a_race(open_race) -> None:
-    window = open_race(Settings("gas", 100))
-    window.session.runner.switch_method()
-    assert window.session.runner.race is not None and "Q ends" in window.session.message

@@ -79,12 +79,9 @@ def test_colours_of_a_gif_are_those_of_the_palette() -> None:
     assert len(have) > 200
 
 
-def test_another_suffix_is_refused(tmp_path: Path) -> None:
+def test_another_suffix_and_a_folder_that_is_not_there_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"film\.avi is neither \.mp4 nor \.gif"):
         Encoder(tmp_path / "film.avi", SIZE, 30)
-
-
-def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=r"(?i)no such file"):
         Encoder(tmp_path / "missing" / "film.mp4", SIZE, 30)
 
@@ -220,7 +217,9 @@ def test_a_full_disk_becomes_a_notice(session: Session, tmp_path: Path, monkeypa
     assert "No space left" in session.message
 
 
-def test_a_folder_that_cannot_be_made_becomes_a_notice(session: Session, tmp_path: Path) -> None:
+def test_without_a_folder_or_an_ffmpeg_a_notice_says_so(
+    session: Session, tmp_path: Path, monkeypatch
+) -> None:
     (tmp_path / "file").write_text("")
     session.files.folder = tmp_path / "file" / "out"
     session.files.toggle_recording()
@@ -228,9 +227,8 @@ def test_a_folder_that_cannot_be_made_becomes_a_notice(session: Session, tmp_pat
     assert session.message
     session.files.screenshot()
     session.files.save()
+    session.files.folder = tmp_path
 
-
-def test_without_an_ffmpeg_a_notice_says_so(session: Session, monkeypatch) -> None:
     def missing() -> str:
         raise RuntimeError("No ffmpeg exe could be found.")
 

@@ -41,7 +41,7 @@ def test_galton_counts_the_balls_in_each_bin() -> None:
     assert ends[0, 1] > ends[:, 1].min() and ends[-1, 3] > ends[:, 1].min()
 
 
-def test_the_path_of_the_heavy_particle_is_where_it_has_been() -> None:
+def test_the_path_of_the_heavy_particle_is_where_it_has_been_and_stays_short(monkeypatch) -> None:
     extras = SceneOverlays()
     for step in range(10):
         frame = frame_of([(0, 0), (100 + 5 * step, 80)], [1, 9], time=step / 30, scene="brownian")
@@ -51,9 +51,6 @@ def test_the_path_of_the_heavy_particle_is_where_it_has_been() -> None:
     assert ends[0, :2] == pytest.approx((100, 80)) and ends[-1, 2:] == pytest.approx((145, 80))
     (said,) = extras.draw_above(notes, frame, camera_of_pixels())
     assert "45" in said
-
-
-def test_a_long_path_keeps_its_beginning_and_stays_short(monkeypatch) -> None:
     monkeypatch.setattr("jostle_lab.draw.scene_overlays.PATH_POINTS", PATH_POINTS)
     extras, notes = SceneOverlays(), Notes()
     for step in range(3 * PATH_POINTS):

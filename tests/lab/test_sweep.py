@@ -70,32 +70,23 @@ def test_measures_are_right() -> None:
     assert row["hash"] == do(run)["hash"]
 
 
-def test_a_sweep_writes_one_row_for_each_run(sweep, tmp_path: Path) -> None:
-    code, _, complaint = sweep(tmp_path / "one.csv", "--workers", "1")
+def test_a_sweep_writes_one_row_for_each_run_and_continues_its_table(sweep, tmp_path: Path) -> None:
+    out = tmp_path / "one.csv"
+    code, _, complaint = sweep(out, "--workers", "1")
     assert code == 0, complaint
-    table = rows(tmp_path / "one.csv")
+    table, lines = rows(out), out.read_text(encoding="utf-8").splitlines(keepends=True)
     assert len(table) == 6
-    assert list(table[0]) == [
-        *("scene", "n", "seed", "steps", "restitution", "energy", "pressure", "hash")
-    ]
+    columns = ("scene", "n", "seed", "steps", "restitution", "energy", "pressure", "hash")
+    assert tuple(table[0]) == columns
     assert sweep(tmp_path / "two.csv", "--workers", "2")[0] == 0
     assert rows(tmp_path / "two.csv") == table
-
-
-def test_a_sweep_continues_its_table(sweep, tmp_path: Path) -> None:
-    out = tmp_path / "table.csv"
-    assert sweep(out, "--workers", "1")[0] == 0
-    whole = out.read_text(encoding="utf-8")
-    lines = whole.splitlines(keepends=True)
     # As if it had been killed while it wrote the fourth row.
     out.write_text("".join(lines[:3]) + lines[3][:7], encoding="utf-8")
     code, printed, _ = sweep(out, "--workers", "1")
     assert code == 0 and "2 of 6 runs are in" in " ".join(printed.split())
-    assert out.read_text(encoding="utf-8").startswith("".join(lines[:3]))
-    assert len(rows(out)) == 6
-    # Nothing is left to do.
     before = out.read_text(encoding="utf-8")
-    assert sweep(out)[0] == 0
+    assert before.startswith("".join(lines[:3])) and rows(out) == table
+    assert sweep(out)[0] == 0  # nothing is left to do
     assert out.read_text(encoding="utf-8") == before
 
 

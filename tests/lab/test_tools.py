@@ -28,16 +28,12 @@ def beside_a_wall(low: float = 50, high: float = 450) -> Driver:
     return driver
 
 
-def test_a_box_selects_what_lies_in_it() -> None:
+def test_a_box_selects_what_lies_in_it_and_shift_adds_or_takes_away() -> None:
     driver = Driver(world_of(FOUR))
     driver.drag((50, 50), (250, 350))
     assert tags(driver.session.interaction.selection.tags) == [0, 1, 2]
     driver.drag((700, 450), (550, 350))  # from the other corner; without Shift it replaces
     assert tags(driver.session.interaction.selection.tags) == [3]
-
-
-def test_shift_adds_a_box_and_takes_a_click_away() -> None:
-    driver = Driver(world_of(FOUR))
     driver.click((100, 100))
     driver.drag((550, 350), (700, 450), mod=pygame.KMOD_SHIFT)
     assert tags(driver.session.interaction.selection.tags) == [0, 3]
@@ -95,16 +91,6 @@ def test_a_held_ball_is_not_pushed_through_a_wall_that_is_drawn() -> None:
     driver.frames(90)
     assert driver.session.interaction.drag_tool.held == 0
     assert 300 < driver.world.positions[0, 0] < 400
-
-
-def test_drawn_walls_have_the_friction_of_their_slider() -> None:
-    driver = beside_a_wall()
-    assert np.isnan(driver.world.walls.friction).all()  # that of the particles
-    driver.session.runner.adjust("wall_friction", 0.75)
-    driver.drag((50, 450), (300, 450))
-    assert driver.world.walls.friction.tolist() == [0.75, 0.75]
-    driver.session.runner.adjust("wall_friction", 0.25)
-    assert driver.world.walls.friction.tolist() == [0.25, 0.25]
 
 
 def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> None:
@@ -217,7 +203,7 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     assert not driver.session.open
 
 
-def test_a_click_places_an_attractor_and_another_takes_it_away() -> None:
+def test_a_click_places_an_attractor_or_takes_it_away_and_a_drag_sets_its_strength() -> None:
     driver = Driver(world_of([(300, 250)]))
     driver.key(pygame.K_3)
     driver.click((400, 250))
@@ -227,11 +213,6 @@ def test_a_click_places_an_attractor_and_another_takes_it_away() -> None:
     assert driver.session.frame.velocities[0, 0] > 10
     driver.click((400, 250))
     assert driver.session.frame.attractors == ()
-
-
-def test_dragging_an_attractor_sets_its_strength() -> None:
-    driver = Driver(world_of([(300, 250)]))
-    driver.key(pygame.K_3)
     driver.drag((400, 250), (420, 250))
     driver.drag((200, 250), (500, 250))
     weak, strong = (pull.strength for pull in driver.session.frame.attractors)

@@ -98,14 +98,11 @@ def test_a_map_knows_the_best_and_what_a_limit_changes() -> None:
     assert found.rows() == [1, 2, 3, 4, 5, 6, 7, 8, NO_LIMIT]
 
 
-def test_the_table_names_the_special_settings() -> None:
+def test_the_table_names_the_special_settings_and_milliseconds_have_three_digits() -> None:
     columns = [list(column.cells) for column in table(some_map()).columns]
     assert columns[0] == ["fastest", "default", "article of 2015", "slowest"]
     assert columns[2] == ["no limit", "no limit", f"{ARTICLE.max_depth}", "no limit"]
     assert columns[3:] == [["1.00", "1.02", "4.00", "9.00"], ["1.00", "1.02", "4.00", "9.00"]]
-
-
-def test_milliseconds_have_three_digits() -> None:
     written = [in_ms(value) for value in (1.2345, 9.996e-3, 2.832e-4, 4.3e-6)]
     assert written == ["1,230", "10.0", "0.283", "0.00430"]
 

@@ -116,13 +116,16 @@ def test_a_new_file_has_the_permissions_and_the_place_of_the_old_one(tmp_path: P
         write(tmp_path / "nowhere" / "new", b"new")
 
 
-def test_a_device_is_written_and_stays(tmp_path: Path) -> None:
+def test_a_device_is_written_and_stays_and_a_name_need_not_be_utf_8(tmp_path: Path) -> None:
     write(Path("/dev/null"), b"new")
     append(Path("/dev/null"), b"new")
     assert not Path("/dev/null").is_file()
     with pytest.raises(OSError, match="No space"):
         write(Path("/dev/full"), b"new")
     assert Path("/dev/full").exists()
+    path = tmp_path / os.fsdecode(b"x\xff\xfe.png")
+    picture(path)
+    assert path.stat().st_size > MOST
 
 
 def test_an_interruption_leaves_the_old_file(tmp_path: Path) -> None:
@@ -132,9 +135,3 @@ def test_an_interruption_leaves_the_old_file(tmp_path: Path) -> None:
         new.path.write_bytes(b"half")
         raise KeyboardInterrupt
     assert [*tmp_path.iterdir()] == [path] and path.read_bytes() == b"old"
-
-
-def test_a_name_need_not_be_utf_8(tmp_path: Path) -> None:
-    path = tmp_path / os.fsdecode(b"x\xff\xfe.png")
-    picture(path)
-    assert path.stat().st_size > MOST
