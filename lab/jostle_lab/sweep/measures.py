@@ -46,17 +46,21 @@ def _energy(world: jostle.World) -> float:
 
 
 def _height(world: jostle.World) -> float:
-    """Mean of y, weighted by mass."""
-    return float(np.average(world.positions[:, 1], weights=world.masses))
+    """Mean of y of the movable particles, weighted by mass."""
+    moving = world.movable
+    if not moving.any():
+        return float("nan")
+    return float(np.average(world.positions[moving, 1], weights=world.masses[moving]))
 
 
 def _hexatic(world: jostle.World) -> float:
     """Global hexatic order |⟨exp(6iθ)⟩| over the directions to the six nearest neighbours."""
-    positions = world.positions.astype(np.float64)
+    positions = world.positions[world.movable].astype(np.float64)
     count = min(7, len(positions))
     if count < 2:
         return float("nan")
-    near = world.rows(world.nearest(positions, count).ids[:, 1:])
+    tree = jostle.Quadtree(positions, period=world.period)
+    near = tree.nearest(positions, count).ids[:, 1:]
     offsets = positions[near] - positions[:, None]
     if world.period is not None:
         offsets -= world.period * np.round(offsets / world.period)
@@ -65,9 +69,10 @@ def _hexatic(world: jostle.World) -> float:
 
 
 def _cluster(world: jostle.World) -> float:
-    """Share of the particles in the largest group of touching ones."""
-    parents = np.arange(len(world))
-    for a, b in jostle.find_pairs(world.positions, world.radii * 1.001):
+    """Share of the movable particles in the largest group of touching ones."""
+    positions, radii = world.positions[world.movable], world.radii[world.movable]
+    parents = np.arange(len(positions))
+    for a, b in jostle.find_pairs(positions, radii * 1.001, period=world.period):
         a, b = _root(parents, a), _root(parents, b)
         parents[max(a, b)] = min(a, b)
     roots = [_root(parents, row) for row in range(len(parents))]
@@ -122,8 +127,8 @@ class _Collisions:
 MEASURES: dict[str, tuple[Callable[[], Measure], str]] = {
     "energy": (partial(_Mean, _energy), "mean kinetic energy of a particle"),
     "pressure": (_Pressure, "on the sides of the container"),
-    "height": (partial(_Mean, _height), "mean of y, weighted by mass"),
+    "height": (partial(_Mean, _height), "mean of y of movable particles, weighted by mass"),
     "hexatic": (partial(_Mean, _hexatic), "order of the directions to six neighbours, 0 to 1"),
-    "cluster": (partial(_Mean, _cluster), "share of particles in the largest touching group"),
+    "cluster": (partial(_Mean, _cluster), "share of movable ones in the largest touching group"),
     "collisions": (_Collisions, "collisions of a particle with others in a second"),
 }
