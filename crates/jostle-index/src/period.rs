@@ -238,7 +238,7 @@ impl<T: Scalar> Period<T> {
     /// Whether two shapes overlap, with the smaller gap along each axis.
     pub fn overlap(&self, a: &Shape<T>, b: &Shape<T>) -> bool {
         if a.is_slanted() || b.is_slanted() {
-            // The smaller gap of boxes says nothing about the distance of segments.
+            // The image with the smaller gap of boxes may have the larger distance of segments.
             return self.combinations(usize::MAX).any(|which| {
                 let [a, b] = self.moved(a, b, which);
                 a.overlaps(&b)

@@ -1,9 +1,9 @@
 //! Arguments of a call by name, with errors that name the call and suggest the right word.
 //!
 //! pyo3 names the method `__new__` in the errors of a constructor, so constructors read all their arguments here. Other
-//! calls take what pyo3 does not know as `**unknown`, and refuse it with [`refuse_unknown`]. Arguments that must be given
-//! are optional for pyo3, and [`read`] finds those that are missing: pyo3 would refuse `radius=1` because `radii` is
-//! missing, and say nothing of the misspelt name.
+//! calls take all further keywords as `**unknown`, and refuse them with [`refuse_unknown`]. Arguments that must be
+//! given are optional for pyo3, and [`read`] finds those that are missing: pyo3 would refuse `radius=1` because `radii`
+//! is missing, without the misspelt name.
 
 use jostle_base::error::counted;
 use pyo3::PyTypeInfo;

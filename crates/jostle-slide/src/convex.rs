@@ -95,7 +95,7 @@ impl<T: Scalar> Convex<'_, T> {
         let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
         let mut normal = [T::ZERO; 2];
         for side in self.sides() {
-            // Not too much: three slops are still far below any size that a user sees.
+            // Not too much: three slops are still far below any visible length.
             let inwards = if side.is_own { slop + slop + slop } else { slop };
             let (clearance, approach) = side.approach(-inwards, v);
             if approach == T::ZERO {

@@ -1,8 +1,8 @@
-//! The geometry of an obstacle, as a shape that moves sees it.
+//! The geometry of an obstacle, for a shape that moves.
 
 use jostle_index::geometry::{Scalar, Shape};
 
-/// What a shape that moves has to know of the geometry of an obstacle. The shape is a rounded box
+/// What the motion of a shape needs of the geometry of an obstacle. The shape is a rounded box
 /// given by its centre.
 ///
 /// Whatever implements this can be an obstacle: a new kind needs a variant of [`Solid`](super::Solid) in addition.

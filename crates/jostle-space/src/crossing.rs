@@ -1,7 +1,7 @@
 //! Whether two shapes that move along straight lines overlap on the way.
 //!
 //! The first shape is at rest in the frame of the second one. Then the Minkowski difference of the two cores, a box or
-//! a polygon, moves along a straight line, and the shapes overlap while the origin is nearer to it than the sum of the
+//! a polygon, moves along a straight line. The shapes overlap while the origin is nearer to it than the sum of the
 //! radii.
 //! The casts of `jostle-slide` tell when that begins, rounded; here only the answer is needed, and it has to agree
 //! with [`Shape::overlaps`] at both ends. So nothing is divided: times are compared as fractions.

@@ -16,10 +16,10 @@ pub const MAX_TOURS: f32 = 125.0;
 /// The id of the side at min x of a box. Below it come those at max x, min y and max y, and that of a circle.
 pub const FIRST_SIDE: i64 = -2;
 
-/// Number of sides that callers know: those of a box, and the rim of a round container.
+/// Number of sides with a public id: those of a box, and the rim of a round container.
 pub const KNOWN_SIDES: usize = MAX_SIDES + 1;
 
-/// The names of these, as callers know them.
+/// Their public names.
 pub const SIDE_NAMES: [&str; KNOWN_SIDES] = ["MIN_X", "MAX_X", "MIN_Y", "MAX_Y", "RIM"];
 
 /// The region that contains the particles.
@@ -126,7 +126,7 @@ impl Container {
         (0..).zip(self.all_sides()).filter_map(|(number, side)| Some((number, side?)))
     }
 
-    /// The id of the side with a number, by which callers know it. Ids of walls are above −1, which is none.
+    /// The public id of the side with a number. Ids of walls are above −1, which is none.
     pub fn side_id(&self, number: u32) -> i64 {
         let sides_before = if matches!(self, Self::Circle { .. }) { 4 } else { i64::from(number) };
         FIRST_SIDE - sides_before

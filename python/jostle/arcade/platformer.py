@@ -20,8 +20,8 @@ _AXES = (
 class PhysicsEnginePlatformer(PhysicsEngineSimple):
     """arcade's engine for platformers, with continuous motion.
 
-    The player falls, stands on walls and platforms, climbs ramps of at most 45° and steps that are
-    not higher than `change_x`, and is carried by platforms. Platforms move by ``change_x`` and
+    The player falls, stands on walls and platforms, and is carried by platforms. It climbs ramps of
+    at most 45° and steps that are not higher than `change_x`. Platforms move by ``change_x`` and
     ``change_y`` and reverse at their boundaries.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Questions of ranks to the particles of all: each rank answers all, and the answers are joined."""
+"""Queries of all ranks: each rank computes all with its particles, and the results are joined."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _FIRST = {
 
 @collective
 def ask(world: Any, query: str, *question: Any, **options: Any) -> Any:
-    """Return the answer of all ranks to the question of this one, as of one `jostle.World`."""
+    """Return the result of a query of this rank among all particles, as by one `jostle.World`."""
     comm = world._comm
     with together(comm):
         names = _FIRST[query]

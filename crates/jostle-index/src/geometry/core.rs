@@ -3,7 +3,7 @@
 //!
 //! Every core lies in an axis-aligned box, `min - half_size` to `max + half_size`, and most are that
 //! box. The others are tested in two steps. First the boxes, as rounded boxes, with the formula of
-//! [`overlap`](super::overlap): trees, grids and blocks of shapes know no other test. Then the cores
+//! [`overlap`](super::overlap): trees, grids and blocks of shapes use no other test. Then the cores
 //! themselves, by their [`Difference`]. A pair must pass both, so no bounds can lose one.
 
 use super::{Scalar, Shape, into_range, length, within};

@@ -1,4 +1,4 @@
-//! What a world remembers of its last step and of the last call of `step`: contacts, sums and events.
+//! The records of the last step and of the last call of `step`: contacts, sums and events.
 
 use jostle_world::TouchEvents;
 use pyo3::exceptions::PyRuntimeError;

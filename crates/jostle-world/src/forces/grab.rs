@@ -1,4 +1,4 @@
-//! A force that brings one particle to a point, as a hand or the mouse does.
+//! A force that brings one particle to a point, such as that of the mouse.
 
 use super::record::record;
 use super::{ASLEEP, Force, ForceInput, Partners, Scratch, check_number, check_pair};

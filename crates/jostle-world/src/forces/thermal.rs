@@ -38,7 +38,7 @@ impl ThermalWalls {
         (0..).zip([first || rim, b, c, d]).filter_map(|(side, has_it)| has_it.then_some(side))
     }
 
-    /// The ids by which callers know its sides.
+    /// The public ids of its sides.
     pub fn side_ids(&self) -> impl Iterator<Item = Id> + use<> {
         (0..).zip(self.sides).filter(|(_, has_it)| *has_it).map(|(side, _)| FIRST_SIDE - side)
     }

@@ -191,7 +191,7 @@ impl Support<'_> {
 }
 
 impl Resting {
-    /// Finds the impulses of the resting contacts, writes those of walls to `to`, adds them as vectors to `to_walls`,
+    /// Finds the impulses of the resting contacts. Writes those of walls to `to`, adds them as vectors to `to_walls`,
     /// see [`OnWalls::vectors`], and changes the kicks of the particles that they support.
     pub fn support(
         &mut self,

@@ -87,7 +87,7 @@ pub struct Wall {
     pub filter: Filter,
     /// Whether it is solid only for discs that come from its left, see [`one_way`].
     pub is_one_way: bool,
-    /// Whether no disc feels it, and it only tells which ones touch it, see [`sensors`].
+    /// Whether it acts on no disc and only reports which ones touch it, see [`sensors`].
     pub is_sensor: bool,
 }
 
@@ -357,7 +357,7 @@ impl Walls {
         self.container.period().exact()
     }
 
-    /// The id by which callers know the wall with a number: its index, or that of a side of the container.
+    /// The public id of the wall with a number: its index, or the id of a side of the container.
     pub fn id_of(&self, number: u32) -> i64 {
         index_of(number).map_or_else(|| self.container.side_id(number), i64::from)
     }

@@ -1,8 +1,8 @@
 //! Walls that are solid from one side: for what comes from the left of the line from the first end to the second.
 //!
-//! No disc remembers from where it came. A disc whose surface is on the left, up to an overlap of a small share of its
-//! radius, comes from there, and the wall stops it. Any other disc passes: one on the right, and one that has passed
-//! partly and falls back. It is stopped again as soon as all of it is on the left. An end acts only on discs whose
+//! The side from which a disc came is not stored. The wall stops a disc whose surface is on the left, up to an overlap
+//! of a small share of its radius. Any other disc passes: one on the right, and one that has passed partly and falls
+//! back. It is stopped again as soon as all of it is on the left. An end acts only on discs whose
 //! centres are on the left, by the same rule. Where a disc rests on a wall, its overlap is far smaller than this share.
 
 use super::{Around, Line, Part, less};

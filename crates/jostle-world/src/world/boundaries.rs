@@ -72,7 +72,7 @@ impl Boundaries {
     }
 
     /// Replaces the walls in the same container. A wall that keeps its id and its ends keeps its impulses for warm
-    /// starting, so that a pile on it stays at rest when another wall changes.
+    /// starting. So a pile on it stays at rest when another wall changes.
     pub(crate) fn replace_walls(&mut self, new: Walls, ids: Ids) {
         let (old, old_ids) = (&self.walls, &self.ids);
         self.impulses.retain_mut(|impulse| {

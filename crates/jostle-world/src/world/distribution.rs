@@ -57,7 +57,7 @@ pub(crate) trait Distribution: Halo + Any + Send {
         if self.is_whole() { ids.of(row) } else { self.ids()[row as usize] }
     }
 
-    /// Two rows with these categories that touched; none of two ghosts, whose own processes know them.
+    /// Two rows with these categories that touched; none of two ghosts, which their own processes report.
     fn known_pair(&self, ids: &Ids, rows: [u32; 2], categories: [u32; 2]) -> Option<Touched> {
         let is_known = rows.iter().any(|&row| row < self.own_rows());
         let pair = rows.map(|row| self.id_among_all(ids, row));

@@ -37,7 +37,7 @@ pub(crate) fn pump(
         else {
             continue;
         };
-        // A caller that sets a position forgets the turns, too.
+        // The particle begins a new path, as one whose position a caller sets.
         let turns = persistent.turns.get_mut(index).map(std::mem::take).unwrap_or_default();
         memory::push(&mut before.0, (index, old, turns))?;
         let rounded = start.map(|v| v as f32);

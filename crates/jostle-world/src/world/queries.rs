@@ -1,7 +1,7 @@
 //! Queries of the particles where they are now: pairs, contacts, regions, nearest ones, casts.
 //!
-//! Regions, nearest ones and casts look into a tree of the particles that are awake, and into the trees of sleeping
-//! islands, which stay from step to step. Pairs, contacts and neighbours need all particles in one tree. The first query
+//! Regions, nearest ones and casts search a tree of the particles that are awake, and the trees of sleeping islands.
+//! The latter stay from step to step. Pairs, contacts and neighbours need all particles in one tree. The first query
 //! after a step or an edit builds the tree that it needs; both drop it. Where nothing sleeps the two trees are one.
 //!
 //! Rows are in the order of adding, and ids ascend with rows. So what is sorted by rows is sorted by ids, and of two rows

@@ -253,8 +253,8 @@ impl Record {
         Ok([self.pairs.events()?, self.walls.events()?])
     }
 
-    /// Begins a new record. The pairs at its beginning are those at the end of this one. `is_there` tells of a
-    /// particle, and `is_wall` of a wall or side, whether it exists.
+    /// Begins a new record. The pairs at its beginning are those at the end of this one. `is_there` returns
+    /// whether a particle exists, `is_wall` whether a wall or side does.
     pub(crate) fn begin(&mut self, [is_there, is_wall]: [&dyn Fn(Id) -> bool; 2]) -> Result<()> {
         let pairs = self.pairs.next(|pair| pair.iter().all(|&id| is_there(id)))?;
         let walls = self.walls.next(|[id, wall]| is_there(id) && is_wall(wall))?;

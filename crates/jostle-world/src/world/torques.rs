@@ -1,8 +1,8 @@
 //! Torques that callers give: they change angular velocities as forces change velocities.
 //!
 //! Half of the change in a sub-step comes before the flight and half after it, so a free disc turns by the exact angle.
-//! The resting contacts see the whole change. If their friction changes the angular velocity, what they find is that
-//! at the end of the sub-step, and the disc turns with it from the beginning: as a supported particle flies.
+//! The resting contacts begin with the whole change. If their friction changes the angular velocity, what they find is
+//! that at the end of the sub-step. The disc turns with it from the beginning, as a supported particle flies.
 
 use std::cell::Cell;
 

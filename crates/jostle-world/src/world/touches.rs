@@ -74,8 +74,8 @@ pub(crate) fn collect_touches(world: &mut World, threads: Option<usize>) -> Resu
     if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
         bounced.sort_unstable_by(Bounce::order);
     }
-    // A pair belongs to the process of the smaller index that is movable: that of an immovable particle may not know
-    // all that touches it.
+    // A pair belongs to the process of the smaller index that is movable: that of an immovable particle may not have
+    // ghosts of all that touch it.
     let is_own = |[a, b]: [u32; 2]| {
         let (first, second) = (a.min(b), a.max(b));
         let is_first = second == WALL || particles.movable[first as usize];

@@ -29,14 +29,14 @@ class World(Stepping, Editing, Settings, Totals, Found, Asking):
 
     Methods but `rows` are collective: all ranks call them in the same order. So are `events`,
     `wall_events`, `renumbered` and `last_call`. The particles of all ranks have the same states, in
-    bits, as those of one `jostle.World` with all of them, whatever the number of ranks and the
-    distribution.
+    bits, as those of one `jostle.World` with all of them. Neither the number of ranks nor the
+    distribution changes them.
 
     Parameters
     ----------
     comm : mpi4py.MPI.Intracomm
-        The ranks. All worlds of a communicator share one duplicate of it, which is freed with it,
-        so they are used from one thread at a time, and not after the communicator is freed.
+        The ranks. All worlds of a communicator share one duplicate of it, which is freed with it.
+        So they are used from one thread at a time, and not after the communicator is freed.
     positions : array_like, shape (n, 2)
         Those of this rank's share, at any positions; n may be 0. The ids count the particles of
         rank 0 first, then those of rank 1, and so on.
@@ -65,10 +65,10 @@ class World(Stepping, Editing, Settings, Totals, Found, Asking):
     Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`,
     `AndersenThermostat` and `Pump`. They are refused.
 
-    Queries such as `nearest` and `raycast` are collective. Each rank asks its own questions about
-    the particles of all ranks, and gets the answer of `jostle.World`, in bits; a rank without
-    questions gives an empty list. All ranks answer all questions, so many in one call are best. For
-    pairs there is `jostle.mpi.find_pairs`.
+    Queries such as `nearest` and `raycast` are collective. Each rank gives its own points, regions
+    or rays, and gets the results of a `jostle.World` with the particles of all ranks, in bits. A
+    rank without a query gives an empty list. Each rank computes the queries of all ranks, so give
+    many in one call. For pairs there is `jostle.mpi.find_pairs`.
 
     `free_positions` and `force_virial` depend on the particles of all ranks; the world that
     `gather` returns has these methods.

@@ -29,7 +29,7 @@ class Query(Attribute):
 
 
 class Asking(Part):
-    """A world that answers the questions of each rank."""
+    """A world with queries of the particles of all ranks."""
 
     __slots__ = ()
 

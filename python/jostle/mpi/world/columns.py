@@ -87,7 +87,7 @@ class Columns(Part):
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank asks for; k may be 0.
+            Those that this rank reads; k may be 0.
 
         Returns
         -------

@@ -16,7 +16,7 @@ from .part import Part
 
 
 class Found(Part):
-    """A world that tells what its steps have found."""
+    """A world with records of its last step and its last call of `step`."""
 
     __slots__ = ()
 
