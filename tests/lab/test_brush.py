@@ -17,7 +17,7 @@ from jostle_lab.simulate.start import start
 LINE = (200.0, 250.0), (600.0, 250.0)
 
 
-def test_a_drag_adds_particles_within_reach_of_its_path() -> None:
+def test_a_drag_adds_particles_within_reach_of_its_path_until_its_release() -> None:
     driver = Driver(world_of([(400, 250)]))
     driver.key(pygame.K_4)
     driver.drag(*LINE)
@@ -29,6 +29,15 @@ def test_a_drag_adds_particles_within_reach_of_its_path() -> None:
     assert (reach <= REACH * 10 + 1).all() and reach.max() > REACH * 5
     assert np.ptp(places[:, 0]) > 350 and (frame.radii == 10).all()
     assert len(jostle.find_pairs(frame.positions, frame.radii)) == 0
+    driver = Driver(world_of([(100, 100)]))
+    driver.key(pygame.K_4)
+    driver.drag((200, 400), (300, 400))
+    count = len(driver.session.frame)
+    assert count > 1
+    driver.point_at((600, 100))
+    driver.key(pygame.K_1)
+    driver.drag((500, 50), (700, 90))
+    assert len(driver.session.frame) == count
 
 
 def test_free_places_in_a_circle_are_all_used() -> None:
@@ -52,18 +61,6 @@ def test_nothing_is_added_outside_or_on_a_wall() -> None:
     assert (places >= 5).all() and (places <= np.array([800, 500]) - 5).all()
     assert (np.abs(places[:, 0] - 300) >= 5).all()
     assert driver.session.message is None or "Tool" in driver.session.message
-
-
-def test_a_release_ends_the_stroke_and_the_pointer_adds_nothing() -> None:
-    driver = Driver(world_of([(100, 100)]))
-    driver.key(pygame.K_4)
-    driver.drag((200, 400), (300, 400))
-    count = len(driver.session.frame)
-    assert count > 1
-    driver.point_at((600, 100))
-    driver.key(pygame.K_1)
-    driver.drag((500, 50), (700, 90))
-    assert len(driver.session.frame) == count
 
 
 def test_it_paints_the_chosen_kind_and_shows_it() -> None:

@@ -49,14 +49,11 @@ def test_mass_is_density_times_area_and_columns_over_decades_are_spread_evenly()
     assert middle - low == pytest.approx(high - middle, abs=1)
 
 
-def test_the_young_glow_and_a_scene_begins_calm() -> None:
+def test_the_young_glow_and_each_its_own_colour_lasts_and_has_no_ramp() -> None:
     colouring = Colouring()
     assert (colouring.shades(frame_of(PLACES, time=0.2), ColourBy.AGE) > SHADES / 2).all()
     assert (colouring.shades(frame_of(PLACES, time=5.0), ColourBy.AGE) == 0).all()
     assert colouring.range == (5.0, 0.0)
-
-
-def test_each_its_own_colour_lasts_and_has_no_ramp() -> None:
     places, colouring = np.zeros((500, 2)), Colouring()
     first = colouring.shades(frame_of(places), ColourBy.RANDOM)
     fewer = colouring.shades(frame_of(places[:250], tags=np.arange(250, 500)), ColourBy.RANDOM)
@@ -125,4 +122,5 @@ def test_text_has_a_font_that_comes_with_the_simulator(monkeypatch) -> None:
     for font in (FONT, ICONS):
         assert Path(font_file(font)).is_file()
     monkeypatch.setattr(importlib.util, "find_spec", lambda package: None)
+    pygame.font.init()
     assert font_file.__wrapped__() is None and pygame.font.Font(None).get_height()

@@ -227,12 +227,22 @@ def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(session, tmp_
     assert session.message == "Loaded good.jostle"
 
 
-def test_a_screenshot_is_the_picture(session: Session) -> None:
+def test_a_screenshot_is_the_picture_and_an_export_that_fails_becomes_a_notice(
+    session: Session, monkeypatch
+) -> None:
     session.files.screenshot()
     (path,) = session.files.folder.glob("*.png")
     picture = pygame.image.load(path)
     assert picture.get_size() == (640, 360)
     assert len(np.unique(pygame.surfarray.array2d(picture))) > 30
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(files, "write_positions", full)
+    session.files.export_csv()
+    session.advance(0.0)  # shows the results
+    assert "No space left" in session.message
 
 
 def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None:
@@ -298,13 +308,3 @@ def test_gsd_is_read_again(session: Session) -> None:
         np.testing.assert_array_equal(last.log["particles/tag"], frame.tags)
         kinds = np.array(last.particles.types)[last.particles.typeid]
         np.testing.assert_array_equal(kinds == "fixed", frame.tags == 7)
-
-
-def test_an_export_that_fails_becomes_a_notice(session: Session, monkeypatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(files, "write_positions", full)
-    session.files.export_csv()
-    session.advance(0.0)  # shows the results
-    assert "No space left" in session.message

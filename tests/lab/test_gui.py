@@ -77,14 +77,11 @@ def panel(request: pytest.FixtureRequest) -> Iterator[Panel]:
     screen.close()
 
 
-def test_a_button_is_clicked(panel: Panel) -> None:
+def test_a_button_is_clicked_and_a_slider_dragged_even_out_of_the_panel(panel: Panel) -> None:
     panel.click("press")
     assert panel.clicks == 1
     panel.click("press")
     assert panel.clicks == 2
-
-
-def test_a_slider_is_dragged_even_out_of_the_panel(panel: Panel) -> None:
     rect = panel.gui.marks["value"]
     panel.mouse(pygame.MOUSEMOTION, rect.center)
     assert panel.mouse(pygame.MOUSEBUTTONDOWN, rect.center)

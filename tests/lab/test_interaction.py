@@ -29,7 +29,7 @@ def test_a_held_particle_that_vanishes_is_dropped() -> None:
     assert len(driver.session.frame) == 1
 
 
-def test_a_heavy_particle_follows_the_cursor_more_slowly() -> None:
+def test_a_heavy_particle_follows_the_cursor_more_slowly_and_none_overshoots() -> None:
     places = [(100, 100), (100, 300), (600, 100), (600, 300), (600, 400)]
     gone = []
     for tag, y in enumerate((100, 300)):
@@ -40,9 +40,6 @@ def test_a_heavy_particle_follows_the_cursor_more_slowly() -> None:
             driver.frames(1)
         gone.append(float(driver.world.positions[tag, 0]) - 100)
     assert 5 < gone[1] < 0.8 * gone[0] < 60
-
-
-def test_a_held_particle_does_not_overshoot_when_the_cursor_stops() -> None:
     driver = Driver(world_of([(100, 100)]))
     driver.down((100, 100))
     furthest = 0.0

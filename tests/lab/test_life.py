@@ -79,7 +79,7 @@ def test_other_scenes_have_no_panel() -> None:
     assert simulation.settings.matrix is None
 
 
-def test_a_matrix_may_have_fewer_kinds() -> None:
+def test_a_matrix_may_have_fewer_kinds_and_come_from_a_file(tmp_path: Path) -> None:
     simulation = start(Settings("life", n=9, matrix=TWO))
     frame = simulation.frame()
     assert frame.kinds is not None
@@ -87,6 +87,12 @@ def test_a_matrix_may_have_fewer_kinds() -> None:
     simulation.add([(1, 1), (2, 2)], [(0, 0)] * 2, [2.0, 2.0])
     frame = simulation.frame()
     assert frame.kinds is not None and frame.kinds[-2:].tolist() == [1, 0]
+    path = tmp_path / "scene.toml"
+    path.write_text('scene = "life"\nn = 8\nmatrix = [[0.5, -1], [1, 0]]')
+    settings = read_config(path).settings
+    assert settings.matrix == TWO
+    np.testing.assert_allclose(start(settings).frame().matrix, TWO)
+    assert read({"scene": "life", "matrix": "wheels"}, SETTINGS).matrix == "wheels"
 
 
 def test_colours_are_those_of_the_kinds() -> None:
@@ -99,12 +105,3 @@ def test_colours_are_those_of_the_kinds() -> None:
     plain = start(Settings("gas", n=5)).frame()
     assert Colouring().shades(plain, ColourBy.KIND).tolist() == [FIRST_KIND] * 5
     assert len({*KINDS}) == len(KINDS)
-
-
-def test_a_file_sets_the_matrix(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text('scene = "life"\nn = 8\nmatrix = [[0.5, -1], [1, 0]]')
-    settings = read_config(path).settings
-    assert settings.matrix == TWO
-    np.testing.assert_allclose(start(settings).frame().matrix, TWO)
-    assert read({"scene": "life", "matrix": "wheels"}, SETTINGS).matrix == "wheels"

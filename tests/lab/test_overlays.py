@@ -127,7 +127,7 @@ def test_sensors_are_rings_and_no_walls() -> None:
     assert len(discs[0]) == 0
 
 
-def test_radius_lines_show_the_angles_of_large_discs() -> None:
+def test_lines_show_the_angles_of_large_discs_and_springs_but_not_across_a_seam() -> None:
     angles = np.array([0, np.pi / 2, 1, 1], np.float32)
     places = [(50, 50), (150, 100), (250, 50), (200, 200)]
     frame = frame_of(places, [10, 20, 1, 10], angles=angles, movable=[True, True, True, False])
@@ -136,6 +136,13 @@ def test_radius_lines_show_the_angles_of_large_discs() -> None:
     np.testing.assert_allclose(ends[:, 2:] - ends[:, :2], [(10, 0), (0, 20)], atol=1e-5)
     still, _ = drawn(marks.draw_spins, frame_of(places, 10.0))
     assert len(still.lines_drawn()) == 0
+    springs = np.array([(0, 1), (1, 2)], np.int64)
+    places = [(10, 50), (40, 50), (300, 50)]
+    for container, count in [(None, 2), (Torus(320, 240), 1)]:
+        frame = frame_of(places, springs=springs, container=container)
+        notes, _ = drawn(marks.draw_springs, frame)
+        assert len(notes.lines_drawn()) == count
+        assert notes.lines_drawn()[0] == pytest.approx((10, 50, 40, 50))
 
 
 def test_arrows_point_where_particles_go_and_of_many_the_same_are_shown() -> None:
@@ -162,16 +169,6 @@ def test_the_few_stay_the_same_when_others_go() -> None:
     assert len(subset(np.arange(5), 100)) == 5
 
 
-def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
-    springs = np.array([(0, 1), (1, 2)], np.int64)
-    places = [(10, 50), (40, 50), (300, 50)]
-    for container, count in [(None, 2), (Torus(320, 240), 1)]:
-        frame = frame_of(places, springs=springs, container=container)
-        notes, _ = drawn(marks.draw_springs, frame)
-        assert len(notes.lines_drawn()) == count
-        assert notes.lines_drawn()[0] == pytest.approx((10, 50, 40, 50))
-
-
 def test_attractors_are_rings_around_a_point_or_a_particle_that_is_there() -> None:
     painter = SoftwarePainter(SIZE)
     painter.fill(STAGE)
@@ -185,7 +182,7 @@ def test_attractors_are_rings_around_a_point_or_a_particle_that_is_there() -> No
     assert not lit.any()
 
 
-def test_immovable_discs_in_a_row_are_one_wall_and_apart_they_are_not() -> None:
+def test_immovable_discs_in_a_row_are_one_wall_until_they_have_moved_apart() -> None:
     painter = SoftwarePainter(SIZE)
     places = [(100 + 8 * k, 100) for k in range(6)] + [(100, 200), (130, 200)]
     frame = frame_of(places, 4.0, movable=False)
@@ -194,9 +191,6 @@ def test_immovable_discs_in_a_row_are_one_wall_and_apart_they_are_not() -> None:
     between = [canvas.get_at((x, 103))[:3] for x in (104, 112, 128)]  # a notch of the string
     assert all(colour == pytest.approx(FIXED, abs=12) for colour in between)
     assert canvas.get_at((115, 200))[:3] == STAGE
-
-
-def test_walls_are_asked_for_again_when_they_have_moved() -> None:
     camera = camera_of_pixels()
     near = frame_of([(100, 100), (108, 100)], 4.0, movable=False)
     apart = frame_of([(100, 100), (150, 100)], 4.0, movable=False)

@@ -73,13 +73,10 @@ def test_two_gases_are_mixed_when_half_of_each_is_on_each_side(swapped: int, mix
     assert said[0] == f"mixed: {mixed}"
 
 
-def test_stars_are_counted_and_the_largest_weighed() -> None:
+def test_stars_are_counted_other_scenes_have_no_extras_and_none_needs_particles() -> None:
     frame = frame_of([(0, 0), (9, 9)], [1.0, 3.0], scene="stars")
     said = SceneOverlays().draw_above(Notes(), frame, camera_of_pixels())
     assert said == ["2 bodies; largest: 90 % of the mass"]
-
-
-def test_other_scenes_have_no_extras_and_none_needs_particles() -> None:
     frame = frame_of([(1, 1)], scene="gas")
     assert SceneOverlays().draw_above(Notes(), frame, camera_of_pixels()) == []
     for scene in ("galton", "brownian", "thermostat", "stars"):

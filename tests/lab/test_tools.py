@@ -103,7 +103,7 @@ def test_the_walls_of_a_scene_stay_when_those_that_were_drawn_are_cleared() -> N
     np.testing.assert_array_equal(driver.world.walls.segments, own)
 
 
-def test_a_click_removes_the_wall_under_the_cursor_and_all_can_be_cleared() -> None:
+def test_a_click_removes_the_wall_under_the_cursor_or_its_image_and_all_can_be_cleared() -> None:
     driver = beside_a_wall()
     driver.drag((50, 450), (300, 450))
     driver.click((600, 250))
@@ -114,6 +114,13 @@ def test_a_click_removes_the_wall_under_the_cursor_and_all_can_be_cleared() -> N
     assert driver.session.interaction.commands.drawn_walls.tolist() == [0, 1]
     driver.session.interaction.commands.clear_walls()
     assert len(driver.session.frame.walls) == 0 == len(driver.world.walls)
+    driver = Driver(world_of([(200, 250)], period=(800, 500)))
+    driver.session.interaction.commands.wall((600, 250), (900, 250))
+    driver.key(pygame.K_2)
+    driver.click((300, 250))
+    assert len(driver.session.frame.walls) == 1
+    driver.click((50, 250))
+    assert len(driver.session.frame.walls) == 0
 
 
 def test_a_drawn_wall_goes_and_comes_with_the_history() -> None:
@@ -162,16 +169,6 @@ def test_images_of_walls_are_drawn_on_a_torus_alone() -> None:
     x, y = np.rint(camera.to_screen(points)).astype(int)
     lit = (canvas[x, y] != np.array(STAGE)).any(axis=1)
     assert lit.tolist() == [True] * 5 + [False] * 3
-
-
-def test_a_click_removes_the_image_of_a_wall_on_a_torus() -> None:
-    driver = Driver(world_of([(200, 250)], period=(800, 500)))
-    driver.session.interaction.commands.wall((600, 250), (900, 250))
-    driver.key(pygame.K_2)
-    driver.click((300, 250))
-    assert len(driver.session.frame.walls) == 1
-    driver.click((50, 250))
-    assert len(driver.session.frame.walls) == 0
 
 
 def test_the_cursor_shows_which_tool_is_in_drag_tool() -> None:

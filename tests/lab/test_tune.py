@@ -89,16 +89,13 @@ def test_below_a_depth_that_is_too_slow_no_tree_is_tried(monkeypatch: pytest.Mon
     assert Setting(3, 1) not in tried and Setting(3, 3) in found.rounds
 
 
-def test_a_map_knows_the_best_and_what_a_limit_changes() -> None:
+def test_a_map_and_its_table_know_the_special_settings_with_three_digits() -> None:
     found = some_map()
     assert found.best == Setting(128, NO_LIMIT)
     assert found.over_best(found.default) == pytest.approx(1.02)
     assert found.same_tree(96, 5) == found.default and found.same_tree(128, 5) == (128, 5)
     assert found.seconds(Setting(128, 4)) == np.inf
     assert found.rows() == [1, 2, 3, 4, 5, 6, 7, 8, NO_LIMIT]
-
-
-def test_the_table_names_the_special_settings_and_milliseconds_have_three_digits() -> None:
     columns = [list(column.cells) for column in table(some_map()).columns]
     assert columns[0] == ["fastest", "default", "article of 2015", "slowest"]
     assert columns[2] == ["no limit", "no limit", f"{ARTICLE.max_depth}", "no limit"]

@@ -99,7 +99,7 @@ def test_r_starts_again_with_the_method_of_the_moment(method: str) -> None:
     assert driver.session.settings.method == changed != method
 
 
-def test_b_switches_brute_force_and_tree() -> None:
+def test_b_switches_brute_force_and_tree_and_refuses_what_would_freeze_the_window() -> None:
     driver = Driver(start(Settings("article", 300)))
     every_pair = 300 * 299 // 2
     for name in ("brute", "quadtree"):
@@ -108,9 +108,6 @@ def test_b_switches_brute_force_and_tree() -> None:
         driver.session.engine.step()
         tested = driver.session.frame.stats.pairs_tested
         assert tested == every_pair if name == "brute" else tested < every_pair
-
-
-def test_b_refuses_what_would_freeze_the_window() -> None:
     driver = Driver(Simulation.of_scene(Settings("gas", MOST_BRUTE + 1)), paused=True)
     driver.key(pygame.K_b)
     assert driver.world.method == "quadtree"
