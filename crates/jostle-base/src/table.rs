@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::memory;
 
 /// Operations on all columns of a table. `len` is the number of rows before the operation, which a sparse
-/// column does not know. After [`Table::reserve`] the others do not allocate.
+/// column does not store. After [`Table::reserve`] the others do not allocate.
 pub trait Table: Default {
     /// Bytes of the values of a row.
     const ROW_SIZE: usize;
@@ -281,7 +281,7 @@ pub mod sparse {
         if column.is_empty() && other.is_empty() {
             return;
         }
-        // An empty column does not know how many rows it stands for: `len` says it. The last line
+        // An empty column does not store how many rows it stands for: `len` has it. The last line
         // pads the rows of `other` if its column is empty.
         column.resize(len, V::default());
         column.extend_from_slice(other);

@@ -119,7 +119,7 @@ impl<'py> Keywords<'py> {
     }
 }
 
-/// Refuses keywords that a method of a class does not know.
+/// Refuses keywords that a method of a class does not have.
 pub fn refuse_unknown<C: PyTypeInfo>(
     method: &str,
     unknown: Option<&Bound<'_, PyDict>>,
@@ -128,7 +128,7 @@ pub fn refuse_unknown<C: PyTypeInfo>(
     Err(unexpected_in(&name.py().get_type::<C>().getattr(method)?, &name)?)
 }
 
-/// The arguments that a method of a class must be given. Refuses keywords that it does not know.
+/// The arguments that a method of a class must be given. Refuses all other keywords.
 pub fn read<'a, 'py, C: PyTypeInfo, const N: usize>(
     method: &str,
     unknown: Option<&Bound<'_, PyDict>>,
@@ -138,7 +138,7 @@ pub fn read<'a, 'py, C: PyTypeInfo, const N: usize>(
     required(arguments, |py| py.get_type::<C>().getattr(method))
 }
 
-/// The arguments that a function of the module must be given. Refuses keywords that it does not know.
+/// The arguments that a function of the module must be given. Refuses all other keywords.
 pub fn read_of_function<'a, 'py, const N: usize>(
     function: &str,
     unknown: Option<&Bound<'_, PyDict>>,
@@ -160,7 +160,7 @@ fn required<'a, 'py, const N: usize>(
     Ok(arguments.map(|(_, given)| given.value().expect("each is given")))
 }
 
-/// Refuses keywords that a function of the module does not know.
+/// Refuses keywords that a function of the module does not have.
 pub fn refuse_unknown_of_function(
     function: &str,
     unknown: Option<&Bound<'_, PyDict>>,
@@ -169,7 +169,7 @@ pub fn refuse_unknown_of_function(
     Err(unexpected_in(&name.py().import("jostle._core")?.getattr(function)?, &name)?)
 }
 
-/// The error for a keyword that a callable does not know. Its arguments are those in its signature.
+/// The error for a keyword that a callable does not have. Its arguments are those in its signature.
 fn unexpected_in(callable: &Bound<'_, PyAny>, name: &Bound<'_, PyAny>) -> PyResult<PyErr> {
     let signature: String = callable.getattr("__text_signature__")?.extract()?;
     let known: Vec<&str> = names_in(&signature).collect();
@@ -198,7 +198,7 @@ fn names_in(signature: &str) -> impl Iterator<Item = &str> {
     names.filter(|name| name.starts_with(|first: char| first.is_alphabetic()))
 }
 
-/// The error for a keyword that a call does not know.
+/// The error for a keyword that a call does not have.
 fn unexpected(call: &str, name: &str, known: &[&str]) -> PyErr {
     // A singular, or another shortened name, is nearer than any other word: `mass` means masses, not masks.
     let measure = |known: &&&str| (!known.starts_with(name), distance(known, name));

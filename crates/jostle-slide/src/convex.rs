@@ -89,8 +89,8 @@ impl<T: Scalar> Convex<'_, T> {
     /// As [`enters`](Self::enters), without a radius: the part of the path in all half-planes
     /// (Cyrus and Beck).
     ///
-    /// Sides of the obstacle are moved inwards by more than those of the moving shape, so that
-    /// where a slope begins at a floor, a box meets the slope and not the end of it.
+    /// Sides of the obstacle are moved inwards by more than those of the moving shape. So a box
+    /// meets a slope and not its end, where it begins at a floor.
     fn enters_sharp(&self, v: [T; 2], slop: T) -> Option<(T, [T; 2])> {
         let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
         let mut normal = [T::ZERO; 2];

@@ -1,6 +1,6 @@
 //! Changes of the pairs since the last update.
 //!
-//! Only pairs with a shape that changed can have entered or left. The current ones come from a join
+//! Only pairs with a shape that changed can have entered or exited. The current ones come from a join
 //! of the layer of these shapes with all, and are compared with those of the last update.
 
 use super::changes::Changes;
@@ -66,14 +66,14 @@ pub fn between(
 }
 
 impl<T: Scalar> Space<T> {
-    /// The pairs that entered and left since the last update. If the shapes that changed have
+    /// The pairs that entered and exited since the last update. If the shapes that changed have
     /// more than `max_pairs` pairs, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
         self.compare(false, max_pairs)
     }
 
     /// As [`Space::update`], with the pairs that overlapped only on the way since the last update, among those that
-    /// entered and among those that left. Each shape has moved from where it was at the last update, or was added
+    /// entered and among those that exited. Each shape has moved from where it was at the last update, or was added
     /// since, to where it is, along a straight line and all in the same time, with its present size and filter. The
     /// limit is also one for the pairs of bounds of the paths.
     pub fn update_swept(&mut self, max_pairs: usize) -> Result<Events> {
@@ -84,10 +84,10 @@ impl<T: Scalar> Space<T> {
         let max_pairs = max_pairs.min(MAX_PAIRS);
         let any_removed = self.slots.len() < self.slots.count();
         let present = self.changes.present(&self.layers, any_removed)?;
-        // Why only the changed shapes are joined: a pair can enter or leave only if one of its
+        // Why only the changed shapes are joined: a pair can enter or exit only if one of its
         // shapes has changed. With all of these in one layer (`front`) the joins of that layer with
-        // every layer, itself included, find all their current pairs, each once. `touching` knows
-        // those of the last update; the difference are the events.
+        // every layer, itself included, find all their current pairs, each once. `touching` has
+        // those of the last update. The differences are the events.
         let front = match self.layers.common_layer(&present) {
             Some(layer) => Some(layer),
             None => {
@@ -159,7 +159,7 @@ impl<T: Scalar> Space<T> {
         Ok(Events { entered, left, categories, update })
     }
 
-    /// The pairs that left and those that entered, as ids.
+    /// The pairs that exited and those that entered, as ids.
     fn told(&self, difference: &Difference, crossed: &[Key]) -> Result<[Vec<[Id; 2]>; 2]> {
         let Difference { left, entered, .. } = difference;
         if crossed.is_empty() {

@@ -64,7 +64,7 @@ impl<T: Scalar> SlideCall<'_, T> {
         self.slots.category(self.walkers[row]) & self.rules.mask() != 0
     }
 
-    /// What a row knows about the motions of obstacles.
+    /// The motions of obstacles that concern a row.
     pub(crate) fn viewer(&self, row: usize) -> Viewer<T> {
         Viewer { since: self.traces.since(self.walkers[row]), floor: self.standing(row) }
     }
@@ -152,7 +152,7 @@ impl<T: Scalar> SlideCall<'_, T> {
     }
 }
 
-/// What a shape that moves knows about the motions of obstacles.
+/// The motions of obstacles that concern a shape that moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Viewer<T> {
     /// The call since which it has not moved by itself.

@@ -164,8 +164,8 @@ impl<T: Scalar> Slots<T> {
 
     /// The slots of `ids`. Refuses ids that do not exist, and ids given twice.
     pub(super) fn find(&mut self, ids: &[Id]) -> Result<Vec<u32>> {
-        // Each call has a number, and a slot remembers the last one that last_call it. So a set of seen
-        // ids needs no clearing, except once in four billion calls.
+        // Each call has a number, and `last_call` has that of the last call that found each slot. So the
+        // ids found before need no clearing, except once in four billion calls.
         if self.call == u32::MAX {
             self.last_call.fill(0);
             self.call = 0;

@@ -173,7 +173,7 @@ impl<T: Scalar> Space<T> {
         self.reserve_changes(shapes.len())?;
         let count = self.slots.count() + shapes.len();
         // Everything that has an entry for each slot grows together, before the first shape is
-        // stored. A failure leaves longer columns, which nobody notices.
+        // stored. A failure leaves longer columns, which change no result.
         self.layers.widen(count)?;
         self.touching.widen(count)?;
         self.changes.widen(count)?;

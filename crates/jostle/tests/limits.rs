@@ -259,8 +259,8 @@ fn the_number_of_steps_has_no_effect_on_a_fast_particle() {
 
 #[test]
 fn a_fast_disc_meets_what_is_beyond_its_renewed_bounds() {
-    // Rows of discs move together, so fast that the bounds are renewed three times in the step. Beside them the first disc
-    // flies along a lane, on a torus by more in each part than bounds may have, to the only other disc in it.
+    // Rows of discs move together, so fast that the bounds are renewed three times in the step. Beside them the first
+    // disc flies along a lane to the only other disc in it. In each part it flies farther than bounds on a torus reach.
     let (side, speed, dt) = (1000.0, 5000.0, 0.32);
     let container = Container::Torus { size: [side; 2] };
     for target in (640..=940).step_by(20).map(|x| x as f32) {

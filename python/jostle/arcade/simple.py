@@ -29,8 +29,8 @@ class PhysicsEngineSimple:
     player_sprite : Sprite
         The sprite to move.
     walls : SpriteList or iterable of SpriteList, optional
-        Sprites that do not move. Sprites that are added to these lists or removed from them are
-        noticed; call `read_walls` after some have moved.
+        Sprites that do not move. Each update reads which sprites are in these lists; call
+        `read_walls` after some have moved.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Pairs that began and ceased to touch, and ids that changed, from what all ranks have seen."""
+"""Pairs that began and ceased to touch, and ids that changed, from the records of all ranks."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def events_of(
 ) -> dict[str, NDArray[Any]]:
     """The fields of the events, each pair on one rank.
 
-    `touched` are the pairs with their categories that this rank has seen at the end of the call
-    before, in this one, and at its end. Other ranks may have seen the same pairs.
+    `touched` are the pairs of this rank with their categories: at the end of the call before, in
+    this one, and at its end. Other ranks may have the same pairs.
     """
     rows = np.zeros(sum(len(pairs) for pairs, _ in touched), _PAIR)
     for name, columns in zip(("pair", "categories"), zip(*touched, strict=True), strict=True):

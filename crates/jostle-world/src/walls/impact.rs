@@ -116,8 +116,8 @@ impl Walls {
         match part {
             Part::Side => of_both(own, [0.0; 2]),
             Part::End(end) => {
-                // An end also begins and ceases to act where the disc comes beside a wall that
-                // covers the end, and walls that are solid from one side where the centre crosses their line.
+                // An end also begins and ceases to act where the disc comes beside a wall that covers the end.
+                // Walls that are solid from one side do so where the centre crosses their line.
                 let turn = |line: &Line, offset: Vector| {
                     let seen = Piece { position: less(piece.position, offset), ..*piece };
                     let crosses = || line.crossing_of_line(&seen, gravity, after);
@@ -148,8 +148,8 @@ impl Line {
     }
 }
 
-/// The first time after `after` at which the distance of a disc from a line is 0, if it is `distance` at the beginning of
-/// the piece and grows along `direction`; infinite if there is none.
+/// The first time after `after` at which the distance of a disc from a line is 0; infinite if there is none. The
+/// distance is `distance` at the beginning of the piece and grows along `direction`.
 fn first_crossing(
     distance: f64,
     direction: Vector,

@@ -1,7 +1,7 @@
 //! How a world is distributed over processes.
 //!
-//! A [`World`] asks its [`Distribution`] what all processes know together, and lets its [`Protocol`]
-//! act at some points of a step and of edits: exchange particles, compare, repeat. What one process does instead is in
+//! A [`World`] reads from its [`Distribution`] what all processes have in common, and calls its [`Protocol`]
+//! at some points of a step and of edits: to exchange particles, compare, repeat. What one process does instead is in
 //! [`alone`](super::alone). Neither trait has a default for an exchange, so that ranks cannot forget one.
 
 use std::any::Any;

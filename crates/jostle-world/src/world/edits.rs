@@ -190,7 +190,7 @@ pub(crate) fn set_rows(world: &mut World, rows: &[u32], changes: &Changes) -> Re
     if let Some(kinds) = &changes.kinds {
         kinds.check(|kinds| world.influences.check_kinds(kinds))?;
     }
-    // The copies are made only if some part of the world must know what changes.
+    // The copies are made only if some part of the world needs what changes.
     let len = world.bodies.len();
     changes.reserve(&mut world.bodies.awake.particles, len)?;
     let indices = if may_wake(&world.bodies, &*world.halo) {
@@ -260,7 +260,7 @@ fn may_wake(bodies: &Bodies, halo: &dyn Distribution) -> bool {
         || !halo.is_alone()
 }
 
-/// Wakes what changes concern, and forgets how the changed particles moved. Returns the index of each row; of those that
+/// Wakes what changes concern, and clears how the changed particles moved. Returns the index of each row; of those that
 /// sleep, [`NONE`].
 fn wake_edited(
     world: &mut World,
@@ -277,7 +277,7 @@ fn wake_edited(
         match Effect::of(before, after, nth) {
             Effect::None => {}
             // A new velocity of an immovable particle concerns only what touches it. A new
-            // position may concern islands that nothing here knows of.
+            // position may concern islands that are not touched yet.
             Effect::Velocity if !before.movable[nth] => memory::push(&mut driven, row)?,
             _ => {
                 memory::push(&mut changed, row)?;

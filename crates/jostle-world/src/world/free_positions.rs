@@ -193,8 +193,8 @@ fn random_position(chance: &mut Chance, region: &Container, radius: f32) -> [f32
 
 /// The discs that were placed, each not larger than those before.
 ///
-/// They are in grids, one for each range of radii, whose cells are as wide as the largest distance at which a disc of
-/// the grid touches one of those after it. So a disc touches only discs in the nine cells around it. All grids share
+/// They are in grids, one for each range of radii. A cell is as wide as the largest distance at which a disc of the
+/// grid touches one of those after it. So a disc touches only discs in the nine cells around it. All grids share
 /// one table of lists: unequal cells may have the same entry, which costs tests and changes no result.
 struct Placed {
     period: Period<f64>,

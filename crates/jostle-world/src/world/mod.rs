@@ -198,7 +198,7 @@ pub(crate) struct StepScratch {
     pub(crate) reaches: Vec<f32>,
     pub(crate) old_reaches: Vec<f32>,
     /// Smaller ones: a particle beyond its own may touch a sleeping island, or leave the circle that other processes
-    /// know. Empty if there are neither.
+    /// have for it. Empty if there are neither.
     pub(crate) watched_reaches: Vec<f32>,
     pub(crate) grown: bounds::Grown,
     /// Rows that were exhausted in the step.

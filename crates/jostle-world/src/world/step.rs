@@ -71,7 +71,7 @@ impl World {
     /// Makes a step. If it fails on any process, it fails on all, and changes nothing.
     ///
     /// An attempt that reaches sleeping islands is undone, they wake, and the next attempt begins. So no particle
-    /// meets a sleeping one, and the stages know nothing of sleeping. After [`MAX_WAKINGS`] such attempts the next
+    /// meets a sleeping one, and the stages do not depend on sleeping. After [`MAX_WAKINGS`] such attempts the next
     /// one wakes all islands, so that the loop ends. An attempt on which processes do not agree is repeated with more
     /// ghosts.
     fn step_until_complete(&mut self, dt: f64, watch: &mut Watch<'_>) -> Result<()> {

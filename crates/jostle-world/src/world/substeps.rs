@@ -260,7 +260,7 @@ impl World {
             threads: common.plan.threads,
         };
         let done = scratch.events.simulate(&flight, &mut bounds);
-        // The events know indices only.
+        // The error of the events has an index, not an id.
         done.map_err(|error| match error {
             Error::TooManyCollisions { .. } => too_many_collisions(self),
             other => other,

@@ -132,9 +132,9 @@ class Columns(Part):
     def traffic(self) -> dict[str, float]:
         """What this rank has sent so far.
 
-        A dict of `calls` in which all ranks take part, `messages` and `bytes` with particles and
-        hashes, `repeats`, the number of steps that were repeated, `rebalances`, how often domains
-        were chosen, and `seconds` of waiting and communication.
+        A dict. It has `calls` in which all ranks take part, and `messages` and `bytes` with
+        particles and hashes. `repeats` is the number of steps that were repeated, `rebalances` how
+        often domains were chosen, and `seconds` the time of waiting and communication.
         """
         names = ("calls", "messages", "bytes", "repeats", "rebalances")
         counts = dict(zip(names, self._own()[2], strict=True))

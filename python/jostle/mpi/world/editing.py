@@ -172,9 +172,9 @@ class Editing(Columns):
     def accelerations(self) -> NDArray[np.float32]:
         """Given accelerations in the next call of `step`: ndarray of float32, shape (n, 2).
 
-        They are in the order of `ids`. Assigning an array of this shape, one vector for all of this
-        rank, or None for zeros, is a collective call, which replaces what was given before; see
-        `jostle.World.accelerations`.
+        They are in the order of `ids`. Assign an array of this shape, one vector for all of this
+        rank, or None for zeros. The assignment is a collective call, which replaces what was given
+        before; see `jostle.World.accelerations`.
         """
         given: NDArray[np.float32] = self._core.accelerations
         return given[: len(self)]

@@ -3,7 +3,7 @@
 //! An island that rests is taken out of the columns that a step works on, with its contacts and the impulses of walls
 //! on it, and appended to `bodies.asleep`. Most particles of a pile then cost nothing. It returns if a step would touch
 //! it, or if a change between steps concerns it. So no particle ever meets a sleeping one, and the stages of a step
-//! know nothing of sleeping.
+//! do not depend on sleeping.
 //!
 //! - `motion`: how particles moved in the last quarters of a second, and which islands are slow by that.
 //! - `groups`: which particles form an island, and what each rests on.

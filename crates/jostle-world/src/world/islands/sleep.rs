@@ -187,9 +187,8 @@ pub(crate) fn kept_awake(world: &mut World) -> Result<Vec<bool>> {
 
 /// Moves islands to the sleeping ones. If there is an error on any process, nothing changes.
 fn put_to_sleep(world: &mut World, sleepers: Sleepers) -> Result<()> {
-    // The tree, the pairs and the messages may fail on any process. All wait until each knows
-    // of the others. Only then particles leave the columns, so an error leaves all where they
-    // are.
+    // The tree, the pairs and the messages may fail on any process. All processes exchange their
+    // errors first. Only then particles leave the columns, so an error leaves all where they are.
     let count = sleepers.islands.len();
     // What removes them from the columns must not fail.
     let keep = kept_awake(world)?;
