@@ -19,7 +19,7 @@ const COVERED: f64 = 0.4;
 /// A scene of some number of shapes, with numbers that are exact in float32.
 type Make = fn(usize, &mut Random) -> Scene;
 
-/// The first five are those of `python/jostle/bench/shapes.py`.
+/// The first five are those of `benchmarks/shapes.py`.
 const SCENES: &[(&str, Make)] = &[
     ("discs", |n, random| square(vec![[0.5; 3]; n], COVERED, random, Kind::Equal)),
     ("mixed", |n, random| {

@@ -2,7 +2,7 @@
 //!
 //! A [`World`] reads from its [`Distribution`] what all processes have in common, and calls its [`Protocol`]
 //! at some points of a step and of edits: to exchange particles, compare, repeat. What one process does instead is in
-//! [`alone`](super::alone). Neither trait has a default for an exchange, so that ranks cannot forget one.
+//! [`alone`](super::alone). Neither trait has a default for an exchange, so that `ranks` has each.
 
 use std::any::Any;
 
