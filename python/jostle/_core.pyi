@@ -19,8 +19,8 @@ __all__ = ["AndersenThermostat", "Attractor", "Box", "Circle", "Events", "Flocki
     "PairForce", "Pump", "Quadtree", "RankError", "Space", "Springs", "ThermalWalls", "Thermostat", "Walls", "World",
     "__version__", "abandon_threads", "begin_hash", "checksum", "create_scene", "create_scene_part", "describe_scene",
     "find_pairs", "hash_parts", "hash_records", "instructions", "record_fields", "restore_events", "restore_space",
-    "scene_default_count", "scene_galton_board", "scene_names", "scene_view", "scene_wall", "separate", "sprite_dict",
-    "sprite_pairs", "sprite_sides", "wake_threads_always"]
+    "scene_default_count", "scene_galton_board", "scene_names", "scene_view", "separate", "sprite_dict", "sprite_pairs",
+    "sprite_sides", "wake_threads_always"]
 
 __version__: Final[str]
 
@@ -3452,25 +3452,3 @@ def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
     ------
     ValueError
         If `n` is out of range."""
-
-def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float32]:
-    """Place discs in a straight line, for a wall of static discs.
-
-    They are so close that particles slide along them as along a smooth wall, and none passes between two of them.
-
-    Parameters
-    ----------
-    start, end : tuple of float
-        Centres of the first and the last disc, x and y.
-    radius : float
-        Radius of each disc; half the thickness of the wall.
-
-    Returns
-    -------
-    ndarray of float32, shape (k, 2)
-        Their centres, from `start` to `end`, at most 0.4 radii apart; one centre if `start` and `end` are equal.
-
-    Raises
-    ------
-    ValueError
-        If a number is not finite, `radius` is not above 0, or the wall would have more than a million discs."""

@@ -10,7 +10,6 @@ from jostle._core import scene_default_count as default_count
 from jostle._core import scene_galton_board as galton_board
 from jostle._core import scene_names as names
 from jostle._core import scene_view as view
-from jostle._core import scene_wall as wall
 from jostle.results import GaltonBoard
 
 __all__ = [
@@ -21,5 +20,4 @@ __all__ = [
     "galton_board",
     "names",
     "view",
-    "wall",
 ]

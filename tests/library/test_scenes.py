@@ -203,15 +203,6 @@ def test_the_piston_heats_the_gas_and_cools_it() -> None:
     assert (world.positions[:, 0] < length).all()
 
 
-def test_a_wall_of_beads() -> None:
-    beads = scenes.wall((0, 0), (30, 40), 5)
-    assert beads.dtype == np.float32
-    assert beads[0].tolist() == [0, 0]
-    assert beads[-1].tolist() == [30, 40]
-    assert np.hypot(*np.diff(beads, axis=0).T).max() <= 2.0001
-    assert scenes.wall((1, 2), (1, 2), 3).tolist() == [[1, 2]]
-
-
 NO_SCENE = f"name is 'chess'; the scenes are {', '.join(NAMES)}"
 
 
@@ -223,11 +214,6 @@ NO_SCENE = f"name is 'chess'; the scenes are {', '.join(NAMES)}"
         (lambda: scenes.view("chess"), ValueError, NO_SCENE),
         (lambda: scenes.default_count("chess"), ValueError, NO_SCENE),
         (lambda: scenes.galton_board(10**12), ValueError, "n is 1000000000000; a scene holds"),
-        (lambda: scenes.wall((0, 0), (1, 1), 0), ValueError, "radius is 0; it must be finite and"),
-        (lambda: scenes.wall((0, 0), (1e9, 1), 1), ValueError, "radius is 1; so thin a wall would"),
-        (lambda: scenes.wall((0, np.nan), (1, 1), 1), ValueError, r"start is \(0, NaN\); both"),
-        (lambda: scenes.wall((0, 0), 1, 1), ValueError, "end "),
-        (lambda: scenes.wall((0, 0), (1, 1), "x"), TypeError, "radius must be a "),
         (lambda: scenes.create("gas", n=-1), ValueError, "n is -1; it must be at least 0"),
         (lambda: scenes.create("gas", n=10**12), ValueError, "n is 1000000000000; a scene holds"),
         (lambda: scenes.view("gas", n=10**12), ValueError, "n is 1000000000000; a scene holds"),

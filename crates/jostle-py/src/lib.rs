@@ -36,9 +36,7 @@ mod _core {
     use pyo3::prelude::*;
     use pyo3::types::IntoPyDict;
 
-    use super::scenes::{
-        create, create_part, default_count, describe, galton_board, names, view, wall,
-    };
+    use super::scenes::{create, create_part, default_count, describe, galton_board, names, view};
 
     #[pymodule_export]
     use super::communicator::RankError;
@@ -102,7 +100,6 @@ mod _core {
         module.add("scene_view", wrap_pyfunction!(view, module)?)?;
         module.add("scene_default_count", wrap_pyfunction!(default_count, module)?)?;
         module.add("scene_galton_board", wrap_pyfunction!(galton_board, module)?)?;
-        module.add("scene_wall", wrap_pyfunction!(wall, module)?)?;
         // Imports NumPy's C API now: during a call, a signal could interrupt the import.
         numpy::PyArray1::<u8>::zeros(module.py(), 0, false);
         abandon_threads_after_fork(module)

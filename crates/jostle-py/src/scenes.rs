@@ -240,53 +240,6 @@ pub fn galton_board<'py>(
     results::galton_board(py, scenes::galton_board(particles(n)?).map_err(refused)?)
 }
 
-/// Place discs in a straight line, for a wall of static discs.
-///
-/// They are so close that particles slide along them as along a smooth wall, and none passes
-/// between two of them.
-///
-/// Parameters
-/// ----------
-/// start, end : tuple of float
-///     Centres of the first and the last disc, x and y.
-/// radius : float
-///     Radius of each disc; half the thickness of the wall.
-///
-/// Returns
-/// -------
-/// ndarray of float32, shape (k, 2)
-///     Their centres, from `start` to `end`, at most 0.4 radii apart; one centre if `start` and
-///     `end` are equal.
-///
-/// Raises
-/// ------
-/// ValueError
-///     If a number is not finite, `radius` is not above 0, or the wall would have more than a
-///     million discs.
-///
-/// See Also
-/// --------
-/// jostle.polyline : Walls without discs, for `World.walls`.
-///
-/// Examples
-/// --------
-/// >>> import jostle
-/// >>> centers = jostle.scenes.wall((0, 0), (30, 40), radius=5)
-/// >>> centers.shape
-/// (26, 2)
-/// >>> world = jostle.World(centers, 5, velocities=0 * centers, movable=False)
-#[pyfunction]
-pub fn wall<'py>(
-    py: Python<'py>,
-    start: &Bound<'py, PyAny>,
-    end: &Bound<'py, PyAny>,
-    radius: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let (start, end) = (point("start", start)?, point("end", end)?);
-    let centers = scenes::wall(start, end, number("radius", radius)? as f32);
-    table(py, centers.map_err(refused)?)
-}
-
 fn scene(name: &Bound<'_, PyAny>) -> PyResult<&'static jostle_scenes::Scene> {
     let Ok(found) = name.extract::<String>() else {
         return Err(type_error("name", "the name of a scene", name));

@@ -31,7 +31,6 @@ mod list;
 
 pub use galton::{GaltonBoard, galton_board};
 pub use list::{SCENES, find};
-pub use placing::wall;
 pub use scene::Scene;
 
 /// The length of a step in seconds for which scenes are designed.

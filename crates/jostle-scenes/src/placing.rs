@@ -4,10 +4,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::random::Random;
-use jostle_base::error::{Error, Result};
+use jostle_base::error::Result;
 use jostle_base::memory;
-use jostle_world::forces::check_pair;
-use jostle_world::particles::{Particles, check_radii};
+use jostle_world::particles::Particles;
 
 /// A rectangle: min x, min y, max x, max y.
 pub(crate) type Area = [f32; 4];
@@ -17,9 +16,6 @@ const TRIES: usize = 200;
 
 /// Distance between the discs of a wall, in radii: its surface is flat up to 2 % of a radius.
 const BEAD_STEP: f32 = 0.4;
-
-/// Maximum number of discs of a wall.
-const MAX_BEADS: f64 = 1e6;
 
 /// `count` positions on a square lattice that fills `area`, each displaced by up to `jitter` along
 /// both axes.
@@ -85,22 +81,12 @@ pub(crate) fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> R
 
 /// The centres of discs of `radius` in a straight line from `start` to `end`, so close that
 /// particles slide along them as along a smooth wall.
-pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>> {
-    check_pair("start", start)?;
-    check_pair("end", end)?;
-    if check_radii(&[radius]).is_err() || radius == 0.0 {
-        return Err(Error::of("radius", radius, "it must be finite and more than 0"));
-    }
+fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>> {
     let offset = [0, 1].map(|k| f64::from(end[k]) - f64::from(start[k]));
     let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
     // Discs at 0.4 radii: between two of them the surface is lower by r (1 - √(1 - 0.04)), 2 % of
     // the radius.
     let steps = (length / (f64::from(BEAD_STEP) * f64::from(radius))).ceil();
-    if steps >= MAX_BEADS {
-        let rule =
-            format!("so thin a wall would have {} beads, more than {MAX_BEADS}", steps + 1.0);
-        return Err(Error::of("radius", radius, &rule));
-    }
     let bead = |index: u32| {
         let share = f64::from(index) / steps.max(1.0);
         [0, 1].map(|k| (f64::from(start[k]) + offset[k] * share) as f32)
@@ -197,5 +183,25 @@ impl Grid {
             let radius_sum = radii[other] + radius;
             offset[0] * offset[0] + offset[1] * offset[1] >= radius_sum * radius_sum
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_is_smooth_and_ends_where_it_should() {
+        let (start, end) = ([3.0, -4.0], [-60.0, 70.0]);
+        let distance = |a: [f32; 2], b: [f32; 2]| {
+            let [x, y] = [b[0] - a[0], b[1] - a[1]];
+            (x * x + y * y).sqrt()
+        };
+        let beads = wall(start, end, 2.5).unwrap();
+        assert_eq!((beads[0], beads[beads.len() - 1]), (start, end));
+        assert!(beads.windows(2).all(|pair| distance(pair[0], pair[1]) <= 1.0001));
+        let longer = distance(start, end) + 2.0;
+        assert!((beads.len() as f32) < longer, "{} beads are too many", beads.len());
+        assert_eq!(wall(start, start, 1.0).unwrap(), [start]);
     }
 }

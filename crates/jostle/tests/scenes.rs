@@ -31,27 +31,6 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 }
 
 #[test]
-fn a_wall_is_smooth_and_ends_where_it_should() {
-    let (start, end) = ([3.0, -4.0], [-60.0, 70.0]);
-    let beads = scenes::wall(start, end, 2.5).unwrap();
-    assert_eq!((beads[0], beads[beads.len() - 1]), (start, end));
-    assert!(beads.windows(2).all(|pair| distance(pair[0], pair[1]) <= 1.0001));
-    let longer = distance(start, end) + 2.0;
-    assert!((beads.len() as f32) < longer, "{} beads are too many", beads.len());
-    assert_eq!(scenes::wall(start, start, 1.0).unwrap(), [start]);
-}
-
-#[test]
-fn a_wall_without_end_is_refused() {
-    let refused = |start, end, radius| scenes::wall(start, end, radius).unwrap_err().to_string();
-    assert!(refused([0.0; 2], [1.0; 2], 0.0).starts_with("radius is 0; it must be"));
-    assert!(refused([0.0; 2], [1.0; 2], f32::NAN).starts_with("radius is NaN"));
-    assert!(refused([f32::NAN, 0.0], [1.0; 2], 1.0).starts_with("start is (NaN, 0)"));
-    assert!(refused([0.0; 2], [1.0, 1e19], 1.0).starts_with("end is (1, 1"));
-    assert!(refused([0.0; 2], [1e9, 0.0], 1.0).contains("so thin a wall would have"));
-}
-
-#[test]
 fn springs_hold_discs_that_do_not_overlap_at_rest() {
     let world = create("springs", None, 0);
     let radii = world.bodies().radii().unwrap();
