@@ -8,6 +8,7 @@ use crate::trajectory::Piece;
 use jostle_base::error::Result;
 use jostle_base::memory;
 use jostle_index::pairs::Path;
+use jostle_simd::LANES;
 
 /// Relative error, with a large reserve, of the squares of distances in float32. Too large a margin
 /// costs exact tests and no result; one that is too small loses collisions. The tests below look
@@ -55,6 +56,46 @@ impl Passing {
         // the origin this dominates, near it the relative error of the square does.
         let rounding = 2.0 * ROUNDING * self.sizes;
         MARGIN * square + (2.0 * self.contact_distance + rounding) * rounding
+    }
+}
+
+/// A block of discs as they begin a window, a column for each value.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StartBlock {
+    position: [[f32; LANES]; 2],
+    velocity: [[f32; LANES]; 2],
+    radius: [f32; LANES],
+    flags: [u32; LANES],
+}
+
+impl StartBlock {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, start: &Start) {
+        for k in 0..2 {
+            self.position[k][lane] = start.position[k];
+            self.velocity[k][lane] = start.velocity[k];
+        }
+        self.radius[lane] = start.radius;
+        let Start { is_movable, is_supported, falls, is_settled, .. } = *start;
+        // One load: the four are beside each other in memory.
+        let flags = [is_movable, is_supported, falls, is_settled].map(u8::from);
+        self.flags[lane] = u32::from_le_bytes(flags);
+    }
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> Start {
+        let has = |flag: u32| self.flags[lane] & 1 << (8 * flag) != 0;
+        Start {
+            // Not by `map`, which copies the columns and prevents vector instructions.
+            position: [self.position[0][lane], self.position[1][lane]],
+            velocity: [self.velocity[0][lane], self.velocity[1][lane]],
+            residual: [0.0; 2],
+            radius: self.radius[lane],
+            is_movable: has(0),
+            is_supported: has(1),
+            falls: has(2),
+            is_settled: has(3),
+        }
     }
 }
 
@@ -149,14 +190,38 @@ impl Now {
 impl TimeWindow<'_> {
     /// False only if two discs certainly do not meet along their first pieces.
     #[inline(always)]
-    pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
+    pub fn may_meet(&self, [own, other]: [&Start; 2], image: [f32; 2]) -> bool {
         let span = (self.end - self.begin) as f32;
         let passing = own.now().passing(&other.now(), image, span);
-        // In a pile nearly all pairs end here, so the branch is predicted rightly.
-        if !self.flight.is_lossless && self.defers(own, other, &passing) {
-            return false;
+        let is_out = !(own.is_movable | other.is_movable) | (own.is_settled & other.is_settled);
+        let defers = !self.flight.is_lossless & self.defers(own, other, &passing);
+        // Operators without branches: the result of each is as good as random in a gas, and a branch
+        // would prevent vector instructions in `may_meet_of`.
+        (!passing.is_far(span) | (own.falls != other.falls)) & !defers & !is_out
+    }
+
+    /// As [`may_meet`](Self::may_meet), for a block of pairs: 1 for each that may, else 0.
+    /// `discs` is scratch.
+    #[inline(always)]
+    pub fn may_meet_of(
+        &self,
+        pairs: &[[u32; 2]; LANES],
+        image: [f32; 2],
+        discs: &mut [StartBlock; 2],
+    ) -> [u32; LANES] {
+        for (lane, pair) in pairs.iter().enumerate() {
+            for k in 0..2 {
+                discs[k].set(lane, &self.now[pair[k] as usize]);
+            }
         }
-        !passing.is_far(span) | (own.falls != other.falls)
+        // The rule is written once, for one pair, in plain Rust. Through these columns the compiler
+        // makes vector instructions of it.
+        let mut may_meet = [0; LANES];
+        for lane in 0..LANES {
+            let (own, other) = (discs[0].at(lane), discs[1].at(lane));
+            may_meet[lane] = u32::from(self.may_meet([&own, &other], image));
+        }
+        may_meet
     }
 
     /// Whether two discs at rest certainly do not collide, because they approach by less than
@@ -164,9 +229,6 @@ impl TimeWindow<'_> {
     #[inline(always)]
     fn defers(&self, own: &Start, other: &Start, passing: &Passing) -> bool {
         let rests = |start: &Start| start.is_supported | !start.is_movable;
-        if !(rests(own) & rests(other)) {
-            return false;
-        }
         let Passing { offset, velocity, contact_distance, .. } = *passing;
         let size = size_of(own.radius, other.radius);
         // All roundings are taken to the side on which the pair is tested further. A wrong "no"
@@ -184,7 +246,7 @@ impl TimeWindow<'_> {
         let least = contact_distance - most;
         let is_slow = approach < most * most;
         let is_apart = square > least * least * (1.0 + MARGIN);
-        is_slow & is_apart
+        rests(own) & rests(other) & is_slow & is_apart
     }
 
     /// A disc without events in the window at `time`.

@@ -3,12 +3,14 @@
 //! Pairs are tested in the order of the candidate pairs, which are near each other in memory. A test
 //! in float32 leaves out most of them.
 
+use super::early::StartBlock;
 use super::flight::TimeWindow;
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::Event;
 use super::{Block, Events};
 use jostle_base::error::Result;
 use jostle_base::memory;
+use jostle_simd::{Number, Simd, Work};
 
 /// Candidate pairs that are tested at a time.
 const PAIRS: usize = 4096;
@@ -155,22 +157,42 @@ fn find_near(
     near: &mut [[u32; 2]],
 ) -> usize {
     let near = &mut near[..pairs.len()];
-    let mut count = 0;
-    for pair in pairs {
-        // Without branches, because they would often be predicted wrongly.
-        near[count] = *pair;
-        count += usize::from(may_meet(window, *pair, image));
+    f32::with_widest(FindNear { window, pairs, image, near })
+}
+
+struct FindNear<'a> {
+    window: &'a TimeWindow<'a>,
+    pairs: &'a [[u32; 2]],
+    image: [f32; 2],
+    near: &'a mut [[u32; 2]],
+}
+
+impl Work<f32> for FindNear<'_> {
+    type Out = usize;
+
+    #[inline(always)]
+    fn run<S: Simd<f32>>(self, _: S) -> usize {
+        let Self { window, pairs, image, near } = self;
+        let mut count = 0;
+        let mut add = |pair: &[u32; 2], may_meet: u32| {
+            // Without branches, because they would often be predicted wrongly.
+            near[count] = *pair;
+            count += may_meet as usize;
+        };
+        let mut discs = [StartBlock::default(); 2];
+        let (blocks, rest) = pairs.as_chunks();
+        for block in blocks {
+            let may_meet = window.may_meet_of(block, image, &mut discs);
+            block.iter().zip(may_meet).for_each(|(pair, may_meet)| add(pair, may_meet));
+        }
+        rest.iter().for_each(|pair| add(pair, u32::from(may_meet(window, *pair, image))));
+        count
     }
-    count
 }
 
 #[inline(always)]
 fn may_meet(window: &TimeWindow<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
-    let [own, other] = pair.map(|index| &window.now[index as usize]);
-    // Operators without branches: the result of each is as good as random in a gas.
-    (own.is_movable | other.is_movable)
-        & !(own.is_settled & other.is_settled)
-        & window.may_meet(own, other, image)
+    window.may_meet(pair.map(|index| &window.now[index as usize]), image)
 }
 
 /// Whether the impacts of two discs are those of the second with the first: a movable disc comes
