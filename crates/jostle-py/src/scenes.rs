@@ -1,11 +1,10 @@
 //! `jostle.scenes`.
 
 use jostle_scenes::{self as scenes, SCENES, find};
-use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Given, count, decimal, number, point, table};
+use crate::arrays::{Given, count, decimal};
 use crate::error::{refused, type_error};
 use crate::keywords::read_of_function;
 use crate::results;
