@@ -217,9 +217,9 @@ impl TimeWindow<'_> {
         // The rule is written once, for one pair, in plain Rust. Through these columns the compiler
         // makes vector instructions of it.
         let mut may_meet = [0; LANES];
-        for lane in 0..LANES {
+        for (lane, may_meet) in may_meet.iter_mut().enumerate() {
             let (own, other) = (discs[0].at(lane), discs[1].at(lane));
-            may_meet[lane] = u32::from(self.may_meet([&own, &other], image));
+            *may_meet = u32::from(self.may_meet([&own, &other], image));
         }
         may_meet
     }
