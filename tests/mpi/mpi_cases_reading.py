@@ -1,6 +1,8 @@
-"""What ranks read: particles of any rank, sums over all, and answers to questions."""
+"""What ranks read: particles of any rank, sums over all, and results of queries."""
 
+from copy import copy
 from functools import partial
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from mpi_worlds import comm, evenly, gas, scattered, sleepers, unevenly, up_to
 
 import jostle
 import jostle.mpi
+from jostle.mpi.queries import _first as first_hit
 
 
 def gathered(ours: jostle.mpi.World) -> jostle.World:
@@ -93,8 +96,8 @@ def test_get() -> None:
     fail_by_the_last_rank(lambda: ours.get([0.5] if last else [0]), TypeError, "ids")
 
 
-def questions(world: jostle.World, count: int, seed: int) -> list[tuple[str, dict[str, Any]]]:
-    """All queries with so many questions near the particles, and one of each alone."""
+def queries(world: jostle.World, count: int, seed: int) -> list[tuple[str, dict[str, Any]]]:
+    """All queries with so many points near the particles, and one of each alone."""
     draw = np.random.default_rng(seed)
     low, high = world.positions.min(axis=0) - 2, world.positions.max(axis=0) + 2
     points = draw.uniform(low, high, (count, 2)).astype(np.float32)
@@ -121,15 +124,30 @@ def questions(world: jostle.World, count: int, seed: int) -> list[tuple[str, dic
     ]
     if count == 0:
         return many * 2
-    for query, asked in many[:]:
-        arrays = {name for name, of in asked.items() if np.ndim(of) > 0 and len(of) == count}
-        many.append((query, {name: of[0] if name in arrays else of for name, of in asked.items()}))
+    for query, given in many[:]:
+        arrays = {name for name, of in given.items() if np.ndim(of) > 0 and len(of) == count}
+        many.append((query, {name: of[0] if name in arrays else of for name, of in given.items()}))
     return many
+
+
+@up_to(1)
+def test_of_two_hits_at_the_same_distance_a_particle_with_the_smaller_id_is_first() -> None:
+    both = jostle.World([(5, 0), (5, 0)], 1.0, walls=[((4, -9), (4, 9))])
+    hits = []
+    for removed in ([1], [0], [0, 1]):
+        world = copy(both)
+        world.remove(removed)
+        hits.append(world.raycast((0, 0), (1, 0)))
+    assert [hit.distance for hit in hits] == [4.0] * 3
+    assert [hit.id for hit in hits] == [0, 1, -1]
+    for order in permutations(hits):
+        assert first_hit(order) == hits[0]
+    assert first_hit(hits[:0:-1]) == hits[1]
 
 
 @up_to(3)
 def test_queries() -> None:
-    """Each rank asks its own questions, the last one none, with the answers of one process."""
+    """Each rank has its own queries, the last one none, with the results of one process."""
     rows = np.arange(240)
     filters: dict[str, Any] = {"categories": 1 << rows % 3, "movable": rows % 11 > 0}
     grid = np.column_stack([rows % 16, rows // 16]) * 2.0
@@ -146,10 +164,10 @@ def test_queries() -> None:
             ours.step(1 / 60, steps)
             whole = gathered(ours)
             count = 0 if comm().rank == comm().size - 1 > 0 else 25 + comm().rank
-            for query, asked in questions(whole, count, comm().rank):
-                found, one = (getattr(of, query)(**asked) for of in (ours, whole))
+            for query, given in queries(whole, count, comm().rank):
+                found, one = (getattr(of, query)(**given) for of in (ours, whole))
                 same = np.array_equal(found, one) if isinstance(one, np.ndarray) else found == one
-                assert same, (name, query, asked, found, one)
+                assert same, (name, query, given, found, one)
         moved = ours.ids[:3]
         ours.set(moved, positions=ours.positions[:3] + 0.1)
         ours.remove(ours.ids[-1:])

@@ -16,15 +16,15 @@ from .. import edits, state
 from ..exchange import together
 from ..interrupts import collective
 from ..storage import read, write
-from .asking import Asking
 from .editing import Editing
 from .found import Found
+from .querying import Querying
 from .settings import Settings
 from .stepping import Stepping
 from .totals import Totals
 
 
-class World(Stepping, Editing, Settings, Totals, Found, Asking):
+class World(Stepping, Editing, Settings, Totals, Found, Querying):
     """Particles that are distributed over the ranks of a communicator.
 
     Methods but `rows` are collective: all ranks call them in the same order. So are `events`,

@@ -107,7 +107,7 @@ class Part:
         self._core._agree_on_losses()
         return found
 
-    def _answering(self) -> Any:
+    def _queried(self) -> Any:
         """A `jostle.World` with the particles and ids of this rank, kept until they change."""
         if self._own_world is None:
             records = state.records_of(self._core)

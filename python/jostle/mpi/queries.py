@@ -32,21 +32,21 @@ _FIRST = {
 
 
 @collective
-def ask(world: Any, query: str, *question: Any, **options: Any) -> Any:
+def query_all(world: Any, query: str, *arguments: Any, **options: Any) -> Any:
     """Return the result of a query of this rank among all particles, as by one `jostle.World`."""
     comm = world._comm
     with together(comm):
         names = _FIRST[query]
-        question = (*map(_many, names, question), *question[len(names) :])
+        arguments = (*map(_many, names, arguments), *arguments[len(names) :])
         options = {name: _many(name, value) for name, value in options.items()}
-        own = getattr(world._answering(), query)(*question, **options)
-    everything = comm.allgather((question, options))
+        own = getattr(world._queried(), query)(*arguments, **options)
+    everything = comm.allgather((arguments, options))
     with together(comm):
-        answers = [
-            own if rank == comm.rank else getattr(world._answering(), query)(*asked, **about)
-            for rank, (asked, about) in enumerate(everything)
+        results = [
+            own if rank == comm.rank else getattr(world._queried(), query)(*given, **others)
+            for rank, (given, others) in enumerate(everything)
         ]
-    return _JOIN[query](comm.alltoall(answers))
+    return _JOIN[query](comm.alltoall(results))
 
 
 def _many(name: str, value: Any) -> Any:
@@ -111,7 +111,7 @@ def _keys(columns: dict[str, NDArray[Any]]) -> tuple[NDArray[Any], ...]:
     return columns["ids"], columns["ids"] < 0, columns["distances"]
 
 
-#: How the answers of all ranks are joined.
+#: How the results of all ranks are joined.
 _JOIN: dict[str, Callable[[Sequence[Any]], Any]] = {
     **dict.fromkeys(("query_point", "query_rect", "query_circle", "query_polygon"), _found),
     "nearest": _nearest,

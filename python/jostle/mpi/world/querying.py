@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, overload
 
 from ..attributes import Attribute
-from ..questions import ask
+from ..queries import query_all
 from .part import Part
 
 
@@ -21,14 +21,14 @@ class Query(Attribute):
         if world is None:
             return self
 
-        def query(*question: Any, **options: Any) -> Any:
-            return ask(world, self._name, *question, **options)
+        def query(*arguments: Any, **options: Any) -> Any:
+            return query_all(world, self._name, *arguments, **options)
 
         query.__doc__ = self.__doc__
         return query
 
 
-class Asking(Part):
+class Querying(Part):
     """A world with queries of the particles of all ranks."""
 
     __slots__ = ()
