@@ -100,7 +100,7 @@ def emitters(user: ScriptedUser) -> None:
     """Three jets and a fountain."""
     user.wait(3)
     user.start_recording()
-    user.wait(6.5)
+    user.wait(4.75)
 
 
 def menu(user: ScriptedUser) -> None:
