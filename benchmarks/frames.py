@@ -1,6 +1,6 @@
 """Times whole frames of the simulator's window: `python benchmarks/frames.py`.
 
-One line for each renderer and number of particles: FPS, milliseconds per frame, and their parts on
+One line for each number of particles: FPS, milliseconds per frame, and their parts on
 the UI thread: simulation, scene, panels. No display is needed. Steps and slow frames are computed
 on worker threads, so the longest frame shows how responsive the window is.
 """
@@ -15,14 +15,12 @@ import time
 os.environ.setdefault("SDL_VIDEODRIVER", "offscreen")
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
-from jostle_lab.draw.screen import NoRendererError
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 
 FRAME = 1 / 60
 COLUMNS = (
-    "renderer",
     "n",
     "FPS",
     "median ms",
@@ -33,12 +31,12 @@ COLUMNS = (
 )
 
 
-def measure(scene: str, n: int, renderer: str, seconds: float) -> list[str]:
+def measure(scene: str, n: int, seconds: float) -> list[str]:
     """Return one line of the table."""
-    window = Window(start(Settings(scene, n)), renderer=renderer)
+    window = Window(start(Settings(scene, n)))
     parts: dict[str, float] = {"step": 0.0, "scene": 0.0, "panels": 0.0}
     timed(window.session, "advance", parts, "step")
-    timed(window, "_draw_scene", parts, "scene")
+    timed(window.session, "draw", parts, "scene")
     timed(window, "_draw_panels", parts, "panels")
     for _ in range(5):
         window.frame(FRAME)  # stamps and letters are made
@@ -55,7 +53,7 @@ def measure(scene: str, n: int, renderer: str, seconds: float) -> list[str]:
     spent = sum(frames) / 1e3
     middle, longest = statistics.median(frames), max(frames)
     return [
-        *(renderer, f"{n:,}", f"{len(frames) / spent:.0f}"),
+        *(f"{n:,}", f"{len(frames) / spent:.0f}"),
         *(f"{middle:.1f}", f"{longest:.1f}", *means),
     ]
 
@@ -79,18 +77,11 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--scene", default="gas")
     options.add_argument("--n", type=int, nargs="+", default=[0, 2_000, 10_000, 20_000, 1_000_000])
-    options.add_argument("--renderer", nargs="+", default=["software", "opengl"])
     options.add_argument("--seconds", type=float, default=4.0, help="of each line")
     asked = options.parse_args()
     print(*(f"{title:>10}" for title in COLUMNS))
-    for renderer in asked.renderer:
-        for n in asked.n:
-            try:
-                line = measure(asked.scene, n, renderer, asked.seconds)
-            except NoRendererError as error:
-                print(f"{renderer:>10} {error}")
-                break
-            print(*(f"{cell:>10}" for cell in line), flush=True)
+    for n in asked.n:
+        print(*(f"{cell:>10}" for cell in measure(asked.scene, n, asked.seconds)), flush=True)
 
 
 if __name__ == "__main__":

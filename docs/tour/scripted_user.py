@@ -70,7 +70,7 @@ class ScriptedUser:
 
     def picture(self) -> pygame.Surface:
         """Return the frame, with the pointer."""
-        canvas = self.window.painter.canvas().copy()
+        canvas = self.window.screen.canvas()
         if self._pointing:
             x, y = self._mouse
             if self._pressing:

@@ -33,7 +33,7 @@ class Visit:
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     """Run one stop: a picture of its end, and a video."""
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
-    window = Window(start(stop.settings), size, renderer="software", synchronous=True)
+    window = Window(start(stop.settings), size, synchronous=True)
     session = window.session
     session.files.folder = out
     session.shows_times = False  # those of a window without a graphics card

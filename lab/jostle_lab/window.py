@@ -1,6 +1,5 @@
 """The window: handles events, advances the session and draws a frame, 60 times per second."""
 
-import copy
 import time
 from contextlib import ExitStack
 
@@ -8,10 +7,9 @@ import pygame
 
 from jostle_lab import interrupt, panels
 from jostle_lab.act.view import draw_explanation, draw_preview, draw_selection
-from jostle_lab.draw.background_render import BackgroundRenderer
-from jostle_lab.draw.camera import Camera, Size
+from jostle_lab.draw.camera import Size
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.screen import FAILURES, Screen
+from jostle_lab.draw.screen import Screen
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.input import Input
 from jostle_lab.gui.style import arrange
@@ -30,7 +28,7 @@ class Window:
     """A resizable window with one session.
 
     `run` loops until the user quits, or for a number of steps; tests call `frame`. The size is in
-    points, and the renderer one of `settings.RENDERERS`.
+    points.
     """
 
     def __init__(
@@ -38,16 +36,14 @@ class Window:
         simulation: Simulation,
         size: Size = SIZE,
         steps: int | None = None,
-        renderer: str = "auto",
         *,
         synchronous: bool = False,
     ) -> None:
-        self.screen = Screen(size, renderer)
+        self.screen = Screen(size)
         self.session = Session(simulation, self.painter.size, synchronous=synchronous)
         self.builders: list[panels.Builder] = [panels.build]  # of panels and menus, in order
         arrange(self.session, *self.screen.size, self.screen.scale)
-        self.gui = Gui(self.painter)
-        self.background = BackgroundRenderer()  # draws the scene, slow frames on a worker thread
+        self.gui = Gui(self.screen.opengl)
         self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
         self._seen = True
@@ -78,7 +74,6 @@ class Window:
         with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
             closing.callback(self.gui.close)
-            closing.callback(self.background.close)
             closing.callback(self.session.close)
 
     def frame(self, elapsed: float) -> None:
@@ -127,45 +122,15 @@ class Window:
             self.session.camera.resize(self.painter.size)
 
     def _draw(self, elapsed: float) -> None:
-        try:
-            self._draw_all(elapsed)
-        except FAILURES:
-            if self.painter.name == "software":
-                raise
-            self._fall_back()
-            self._draw_all(elapsed)
-
-    def _fall_back(self) -> None:
-        """Switch to the software painter after the graphics card has failed."""
-        self.gui.close()
-        self.screen.fall_back()
-        self.session.camera.resize(self.painter.size)
-        self.gui = Gui(self.painter)
-        self._lively = LIVELY
-        self.session.messages.say("The graphics card has failed; drawing continues in software.")
-
-    def _draw_all(self, elapsed: float) -> None:
         start = time.perf_counter()
-        self._draw_scene()
+        self.session.draw(self.painter)
         self._draw_overlays()
+        self.screen.end_scene()
         drawn = time.perf_counter()
         self._draw_panels(elapsed)
         panel_time = time.perf_counter() - drawn
         self.session.runner.statistics.measure(draw=(drawn - start) * 1e3, panels=panel_time * 1e3)
         self.screen.show()
-
-    def _draw_scene(self) -> None:
-        session = self.session
-        if session.runner.race:  # with few particles
-            session.draw(self.painter)
-            return
-        frame, options = session.frame, copy.copy(session.view_options)
-        picture = session.runner.picture
-
-        def draw(painter: Painter, camera: Camera) -> None:
-            picture.draw(painter, frame, camera, options)
-
-        self.background.draw(self.painter, session.camera, len(frame), draw)
 
     def _draw_overlays(self) -> None:
         """Draw the selection, the current drag, and the shapes of an explanation."""

@@ -9,7 +9,7 @@ import pygame
 import pytest
 from lab_command import Command
 
-from jostle_lab.draw.screen import NoRendererError
+from jostle_lab.draw.screen import NoOpenGLError
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
@@ -56,7 +56,7 @@ def open_window() -> Iterator[Callable[..., object]]:
             simulation = start(of) if isinstance(of, Settings) else of
             try:
                 window = Window(simulation, size, **{"synchronous": True, **options})
-            except NoRendererError as error:
+            except NoOpenGLError as error:
                 pytest.skip(str(error))
             pygame.event.clear()
             closing.callback(window.close)

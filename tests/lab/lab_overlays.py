@@ -10,7 +10,7 @@ import pytest
 import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.screen import NoRendererError, Screen
+from jostle_lab.draw.screen import NoOpenGLError, Screen
 from jostle_lab.simulate.frame import Frame, FrameContacts, StepStats
 
 SIZE = (320, 240)
@@ -41,7 +41,7 @@ class Notes:
         return [values[1] for name, values, _ in self.strokes if name == "sheet"]
 
 
-def pixels(painter: Painter) -> np.ndarray:
+def pixels(painter: Painter | Screen) -> np.ndarray:
     """Colours, shape (width, height, 3)."""
     return pygame.surfarray.array3d(painter.canvas()).astype(int)
 
@@ -98,9 +98,9 @@ def touching_of(pairs, normals, depths, impulses=(), walls=()) -> FrameContacts:
     )
 
 
-def open_screen(renderer: str, size: tuple[int, int] = SIZE) -> Screen:
-    """Open a window; skip the test where there is no such renderer."""
+def open_screen(size: tuple[int, int] = SIZE) -> Screen:
+    """Open a window; skip the test where there is no OpenGL."""
     try:
-        return Screen(size, renderer)
-    except NoRendererError as error:
+        return Screen(size)
+    except NoOpenGLError as error:
         pytest.skip(str(error))

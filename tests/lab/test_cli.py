@@ -62,8 +62,6 @@ def test_the_version_is_that_of_both_packages(jostle_command) -> None:
         (["run", "--seed", "-4"], "--seed is -4"),
         (["run", "--leaf-capacity", "0"], "--leaf-capacity is 0"),
         (["run", "--max-depth", "-1"], "--max-depth is -1"),
-        (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
-        (["run", "--renderer", "opengl", "--headless"], "a video is drawn in software"),
         (["run", "--speed", "3"], "--speed"),
         (["tune", "gas", "-n", "0"], "-n is 0; it must be a whole number from 1 to"),
         (["tune", "--out", "t.xyz"], "--out is 't.xyz'; the picture's name must end with .png or"),
@@ -76,16 +74,19 @@ def test_bad_input_gets_one_sentence(jostle_command, arguments, words) -> None:
     assert words in jostle_command.refuses(*arguments)
 
 
-def test_a_renderer_and_a_folder_that_cannot_be_had_are_refused(
-    monkeypatch, jostle_command, tmp_path
-) -> None:
+def test_without_opengl_a_video_is_recorded(monkeypatch, jostle_command, tmp_path) -> None:
     def fail() -> None:
         raise moderngl.Error("no card")
 
     monkeypatch.setattr(moderngl, "init_context", fail)
     monkeypatch.setattr(cli.commands, "has_display", lambda: True)
-    sentence = jostle_command.refuses("run", "gas", "--renderer", "opengl")
-    assert "--renderer is 'opengl', but there is no OpenGL 3.3 here: no card" in sentence
+    arguments = "run", "gas", "-n", "20", "--steps", "2", "--out", str(tmp_path)
+    words = " ".join(jostle_command.run(*arguments)[1].split())
+    assert "No window (there is no OpenGL 3.3 here: no card; Mesa has one" in words
+    assert (tmp_path / "gas.mp4").exists()
+
+
+def test_a_folder_that_cannot_be_had_is_refused(jostle_command, tmp_path) -> None:
     file = tmp_path / "file"
     file.touch()
     sentence = jostle_command.refuses("run", "--headless", "--out", str(file / "out"))

@@ -136,7 +136,6 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
             "n = 1\n\n[window]\nsize = [\n 0, 10]",
             "line 4: window.size is [0, 10]; it must be [width, height], each a whole",
         ),
-        ('[window]\nrenderer = "gpu"', "line 2: window.renderer is 'gpu'; it must be one of auto"),
         ("window = 3", "line 1: window is 3; it must be a table, [window]"),
         ("window.size = 3", "line 1: window.size is 3; it must be [width, height]"),
         ("[shown]\ntrees = true", "shown.trees is not an entry of [shown]; did you mean tree?"),

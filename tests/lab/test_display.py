@@ -1,9 +1,8 @@
-"""Which painter a window gets, and what it does when that fails, is hidden, or is slow."""
+"""The painter of a window, and windows that are hidden, resized, or slow."""
 
 import importlib.util
 import os
 import sys
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
@@ -16,12 +15,11 @@ from results import fields
 
 import jostle
 from jostle_lab import cli
-from jostle_lab.draw import background_render, opengl
-from jostle_lab.draw.background_render import LONG, BackgroundRenderer
+from jostle_lab.draw import opengl
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.palette import GROUND
+from jostle_lab.draw.opengl import OpenGLPainter
 from jostle_lab.draw.picture import Picture
-from jostle_lab.draw.screen import NoRendererError, Screen
+from jostle_lab.draw.screen import NoOpenGLError, Screen
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle_lab.simulate.frame import FrameContacts, FrameRequest
@@ -50,11 +48,10 @@ def open_gas(open_window: Callable[..., Window]) -> Callable[..., Window]:
 )
 def test_where_changes_are_judged_there_is_opengl() -> None:
     """Every other test of OpenGL is skipped without it, without a failure."""
-    assert Screen(SIZE, "opengl").painter.name == "opengl"
+    Screen(SIZE).close()
 
 
-@pytest.mark.parametrize("renderer", ["opengl", "software"])
-def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
+def test_the_window_has_the_icon_of_jostle(monkeypatch) -> None:
     calls = []
     for name in ("set_icon", "set_mode"):
         call = getattr(pygame.display, name)
@@ -64,32 +61,36 @@ def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
             return call(*args, **options)
 
         monkeypatch.setattr(pygame.display, name, noted)
-    window = open_screen(renderer)
+    window = open_screen()
     # pygame gives a new OpenGL window its own icon.
     assert (calls[0], calls[-1]) == ("set_icon", "set_icon")
-    window.fall_back()
-    assert calls[-1] == "set_icon"
     window.close()
 
 
-def test_software_opengl_is_used_only_if_asked_for_and_software_without_a_context(
+def test_a_graphics_card_draws_the_scene_and_without_one_the_painter_of_videos(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    name = open_screen("opengl").painter.renderer
-    monkeypatch.setattr(opengl, "_EMULATORS", (name.lower(),))
-    assert Screen(SIZE, "auto").painter.name == "software"
-    assert Screen(SIZE, "opengl").painter.name == "opengl"
-    monkeypatch.setattr(opengl, "_EMULATORS", ())
-    assert Screen(SIZE, "auto").painter.name == "opengl"
-    assert Screen(SIZE, "software").painter.name == "software"
+    screen = open_screen()
+    name = screen.opengl.renderer
+    screen.close()
+    for emulators, kind in (((name.lower(),), SoftwarePainter), ((), OpenGLPainter)):
+        monkeypatch.setattr(opengl, "_EMULATORS", emulators)
+        screen = open_screen()
+        assert isinstance(screen.painter, kind)
+        screen.painter.fill((200, 100, 50))
+        screen.painter.rects(np.array([[0, 0, 11, 11]]), np.array([[0, 200, 0]]), filled=True)
+        screen.end_scene()
+        shown = pixels(screen)
+        assert tuple(shown[5, 5]) == (0, 200, 0) and tuple(shown[-1, -1]) == (200, 100, 50)
+        screen.show()
+        screen.close()
 
     def fail() -> None:
         raise moderngl.Error("no card")
 
     monkeypatch.setattr(moderngl, "init_context", fail)
-    assert Screen(SIZE, "auto").painter.name == "software"
-    with pytest.raises(NoRendererError, match="no card"):
-        Screen(SIZE, "opengl")
+    with pytest.raises(NoOpenGLError, match=r"no card; Mesa"):
+        Screen(SIZE)
 
 
 def test_without_imgui_the_command_names_the_python_that_has_it(
@@ -103,58 +104,18 @@ def test_without_imgui_the_command_names_the_python_that_has_it(
     assert "needs Python 3.11" in jostle_command.refuses("run", "gas")
 
 
-@pytest.mark.parametrize("renderer", ["software", "opengl"])
-def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
-    open_gas, renderer, monkeypatch
-) -> None:
-    window = open_gas(renderer=renderer)
+def test_a_window_of_any_size_shows_the_scene_and_builds_panels(open_gas, monkeypatch) -> None:
+    window = open_gas()
     built = []
     window.builders.append(lambda session, host: built.append((session, host)))
     for size in [(500, 300), (150, 90), (640, 360)]:
         window.frame(FRAME)
-        if renderer == "software":
-            pygame.display.set_mode(size, pygame.RESIZABLE)
-        else:
-            monkeypatch.setattr(pygame.display, "get_window_size", lambda size=size: size)
+        monkeypatch.setattr(pygame.display, "get_window_size", lambda size=size: size)
         pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
         window.frame(FRAME)
         assert window.painter.size == window.session.camera.size == size
-        assert pixels(window.painter).std() > 1
+        assert pixels(window.screen).std() > 1
     assert built and built[0] == (window.session, window.gui)
-
-
-def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_gas) -> None:
-    window = open_gas(renderer="opengl")
-    window.builders.append(lambda session, host: None)
-    window.frame(FRAME)
-    steps, frame = window.session.engine.steps, window.session.frame
-
-    def lost() -> None:
-        raise moderngl.Error("GL_CONTEXT_LOST")
-
-    window.painter.show = lost
-    window.session.runner.paused = True
-    window.frame(FRAME)
-    assert window.painter.name == "software"
-    assert "graphics card has failed" in window.session.message
-    assert window.session.engine.steps == steps
-    assert (window.session.frame.positions == frame.positions).all()
-    window.session.runner.paused = False
-    for _ in range(3):
-        window.frame(FRAME)
-    assert window.session.engine.steps > steps
-    assert pixels(window.painter).std() > 1
-
-
-def test_what_is_wrong_in_software_is_not_hidden(open_gas) -> None:
-    window = open_gas(renderer="software")
-
-    def wrong() -> None:
-        raise pygame.error("wrong")
-
-    window.painter.show = wrong
-    with pytest.raises(pygame.error, match="wrong"):
-        window.frame(FRAME)
 
 
 def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_gas) -> None:
@@ -182,9 +143,8 @@ def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_gas, monkeypatch) 
     assert window.session.interaction.cursor == (200, 100)
 
 
-@pytest.mark.parametrize("renderer", ["software", "opengl"])
-def test_panels_without_events_are_built_every_other_frame(open_gas, renderer: str) -> None:
-    window, built = open_gas(renderer=renderer), []
+def test_panels_without_events_are_built_every_other_frame(open_gas) -> None:
+    window, built = open_gas(), []
     window.session.runner.paused = True
     window.builders.append(lambda session, host: built.append(True))
     for _ in range(30):
@@ -193,7 +153,7 @@ def test_panels_without_events_are_built_every_other_frame(open_gas, renderer: s
     pictures = []
     for _ in range(10):
         window.frame(FRAME)
-        pictures.append(pixels(window.painter))
+        pictures.append(pixels(window.screen))
     assert len(built) == 5
     panel = [picture[:100] for picture in pictures]
     assert all((part == panel[0]).mean() > 0.98 for part in panel), "between, they are still there"
@@ -203,79 +163,10 @@ def test_panels_without_events_are_built_every_other_frame(open_gas, renderer: s
     assert len(built) == 7, "an event is answered at once"
 
 
-@pytest.fixture
-def background(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
-    """A background renderer for which every picture is slow."""
-    monkeypatch.setattr(background_render, "FEW", -1)
-    monkeypatch.setattr(background_render, "MANY", -1)
-    monkeypatch.setattr(background_render, "LONG", -1.0)
-    slow = BackgroundRenderer()
-    yield slow
-    slow.close()
-
-
-def test_a_slow_frame_is_drawn_on_the_worker_thread(background: BackgroundRenderer) -> None:
-    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
-    camera.scale, camera.center = 1.0, (320.0, 180.0)
-    background.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
-    assert (pixels(painter) == GROUND).all()  # nothing is finished
-    background.wait()
-
-    def corner(target, seer) -> None:
-        target.fill((0, 0, 0))
-        target.rects(np.array([[0, 0, 11, 11]]), np.array([[0, 200, 0]]), filled=True)
-
-    background.draw(painter, camera, 10, corner)
-    assert (pixels(painter) == (200, 0, 0)).all()
-    background.wait()
-    background.draw(painter, camera, 10, corner)
-    assert tuple(pixels(painter)[5, 5]) == (0, 200, 0)
-    background.wait()
-    camera.pan((-100, -50))  # the last picture goes with the camera, before there is a new one
-    background.draw(painter, camera, 10, corner)
-    shown = pixels(painter)
-    assert tuple(shown[105, 55]) == (0, 200, 0)
-    assert tuple(shown[50, 20]) == GROUND
-    camera.pan((100, 50))
-    background.wait()
-    background.draw(painter, camera, 10, corner)
-    background.wait()
-    camera.zoom_at((0, 0), 4.0)
-    background.draw(painter, camera, 10, corner)
-    assert tuple(pixels(painter)[30, 30]) == (0, 200, 0)
-
-
-def test_an_error_of_the_worker_thread_is_raised(background: BackgroundRenderer) -> None:
-    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
-
-    def wrong(target, seer) -> None:
-        raise ValueError("wrong")
-
-    background.draw(painter, camera, 10, wrong)
-    with pytest.raises(ValueError, match="wrong"):
-        background.wait()
-    with pytest.raises(ValueError, match="wrong"):
-        background.draw(painter, camera, 10, wrong)
-
-
-def test_few_particles_are_always_drawn_at_once() -> None:
-    quick = BackgroundRenderer()
-    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
-    quick.draw(painter, camera, 100, lambda target, seer: time.sleep(2 * LONG))
-    quick.draw(painter, camera, 100, lambda target, seer: target.fill((9, 9, 9)))
-    assert (pixels(painter) == 9).all() and not quick.in_background
-
-
-@pytest.mark.parametrize("renderer", ["software", "opengl"])
-def test_a_window_on_many_particles_closes_at_any_time(open_gas, renderer) -> None:
-    window = open_gas(200_000, renderer=renderer)
+def test_a_window_on_many_particles_closes_at_any_time(open_gas) -> None:
+    window = open_gas(200_000)
     window.frame(FRAME)
-    assert window.background.in_background  # later pictures may be quick enough for the window
-    for _ in range(2):
-        window.frame(FRAME)
-    window.background.wait()
-    window.frame(FRAME)
-    assert pixels(window.painter).std() > 1
+    assert pixels(window.screen).std() > 1
 
 
 EVERYTHING = ViewOptions(

@@ -171,7 +171,7 @@ def test_the_answer_is_drawn(size) -> None:
 def test_the_sentences_are_on_the_screen_and_not_over_the_pair(
     open_window, size, pair: str
 ) -> None:
-    window = open_window(Settings("gas", 300), size, renderer="software")
+    window = open_window(Settings("gas", 300), size)
     session = window.session
     session.runner.paused = True
     order = np.argsort(session.frame.positions[:, 1])

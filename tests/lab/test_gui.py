@@ -1,4 +1,4 @@
-"""ImGui over both painters: clicks by posted events, text, and who gets an event."""
+"""ImGui over a canvas: clicks by posted events, text, and who gets an event."""
 
 from collections.abc import Callable, Iterator
 
@@ -9,9 +9,8 @@ from imgui_bundle import imgui
 from lab_overlays import open_screen, pixels
 
 from jostle_lab.draw import palette
-from jostle_lab.draw.painter import Painter
+from jostle_lab.draw.opengl import OpenGLPainter
 from jostle_lab.gui.host import Gui
-from jostle_lab.gui.software import Shapes, coverage, outlines_of
 
 SIZE = (400, 300)
 FRAME = 1 / 60
@@ -20,7 +19,7 @@ FRAME = 1 / 60
 class Panel:
     """A window with one widget of each kind."""
 
-    def __init__(self, painter: Painter, scale: float = 1.0) -> None:
+    def __init__(self, painter: OpenGLPainter, scale: float = 1.0) -> None:
         self.painter, self.scale = painter, scale
         self.gui = Gui(painter)
         self.clicks, self.value, self.text = 0, 0.5, ""
@@ -62,14 +61,12 @@ class Panel:
         self.frame()
 
 
-@pytest.fixture(params=[("software", 1), ("opengl", 1)], ids=str)
+@pytest.fixture(params=[1])
 def panel(request: pytest.FixtureRequest) -> Iterator[Panel]:
-    """Provide a panel of a renderer and a scale."""
-    renderer, scale = request.param
-    screen = open_screen(renderer, SIZE)
-    if scale > 1:
-        screen.painter.resize((scale * SIZE[0], scale * SIZE[1]))
-    panel = Panel(screen.painter, scale)
+    """Provide a panel of a scale."""
+    screen, scale = open_screen(SIZE), request.param
+    screen.opengl.resize((scale * SIZE[0], scale * SIZE[1]))
+    panel = Panel(screen.opengl, scale)
     for _ in range(2):
         panel.frame()
     yield panel
@@ -160,19 +157,7 @@ def test_panels_have_their_colours_and_text(panel: Panel) -> None:
     assert 0.01 < inked < 0.3
 
 
-@pytest.mark.parametrize("panel", [("software", 1)], indirect=True)
-def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(panel, monkeypatch) -> None:
-    before, painted = panel.frame(), []
-    draw = Shapes.draw
-    monkeypatch.setattr(Shapes, "draw", lambda *what: painted.append(draw(*what)))
-    assert (panel.frame() == before).all()
-    assert not painted
-    panel.mouse(pygame.MOUSEMOTION, panel.gui.marks["press"].center)
-    assert (panel.frame() != before).any()
-    assert painted
-
-
-@pytest.mark.parametrize("panel", [("software", 2)], indirect=True)
+@pytest.mark.parametrize("panel", [2], indirect=True)
 def test_twice_the_density_is_twice_the_size(panel: Panel) -> None:
     picture = panel.frame()
     rect = panel.gui.marks["press"]
@@ -181,20 +166,3 @@ def test_twice_the_density_is_twice_the_size(panel: Panel) -> None:
     assert tuple(picture[300, 400]) == pytest.approx(palette.PANEL[:3], abs=6)
     panel.click("press")
     assert panel.clicks == 1
-
-
-def test_triangles_become_outlines_again_whose_coverage_is_the_area() -> None:
-    fan_and_line = np.array([[0, 1, 2], [0, 2, 3], [4, 6, 7], [4, 7, 5], [8, 9, 10]])
-    outlines = outlines_of(fan_and_line)
-    found = [list(outlines.corners(k)) for k in range(len(outlines))]
-    assert found == [[0, 1, 2, 3], [4, 6, 7, 5], [8, 9, 10]]
-    assert list(outlines.quads[1]) == [4, 6, 7, 5]
-    square = np.array([(1.5, 1.0), (5.5, 1.0), (5.5, 4.0), (1.5, 4.0)])
-    covered = coverage([square], (7, 6))
-    assert covered.sum() / 255 == pytest.approx(12, abs=0.05)
-    assert covered[1, 2] == pytest.approx(128, abs=1)
-    turns = np.linspace(0, 2 * np.pi, 40, endpoint=False)
-    circle = 10 + 8 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    assert coverage([circle], (20, 20)).sum() / 255 == pytest.approx(np.pi * 64, rel=0.01)
-    both = coverage([square, circle + 20], (40, 40)).sum() / 255
-    assert both == pytest.approx(12 + np.pi * 64, rel=0.01)

@@ -100,7 +100,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     from jostle_lab.simulate.start import start
     from jostle_lab.window import Window
 
-    window = Window(start(Settings("gas", 5)), (640, 360), renderer="software", synchronous=True)
+    window = Window(start(Settings("gas", 5)), (640, 360), synchronous=True)
     frames, closed = [], []
     close = window.close
     monkeypatch.setattr(window, "close", lambda: closed.append(close()))

@@ -71,7 +71,7 @@ def test_the_document_is_the_table() -> None:
 
 def help_in(size: tuple[int, int]) -> pygame.Rect:
     """Where the list is in a window of a size."""
-    window = Window(start(Settings("gas", 5)), size, renderer="software", synchronous=True)
+    window = Window(start(Settings("gas", 5)), size, synchronous=True)
     window.session.toggle("help")
     for _ in range(4):
         window.frame(1 / 60)
@@ -125,7 +125,7 @@ def test_x_clears_the_trails() -> None:
     behind = driver.pixel((105, 100))  # where the disc has been
 
     def rgba() -> int:
-        picture = pygame.surfarray.array3d(driver.window.painter.canvas()).astype(int)
+        picture = pygame.surfarray.array3d(driver.window.screen.canvas()).astype(int)
         around = picture[behind[0] - 3 : behind[0] + 4, behind[1] - 3 : behind[1] + 4]
         return int(np.ptp(around, axis=(0, 1)).max())
 

@@ -1,5 +1,6 @@
 """Particle life in the app: the panel, the setting, colours and files."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +26,11 @@ def matrix_of(desk: Desk) -> np.ndarray:
     return matrix
 
 
-@pytest.fixture(scope="module")
-def desk() -> Desk:
-    return Desk(Settings("life", n=60))
+@pytest.fixture
+def desk() -> Iterator[Desk]:
+    here = Desk(Settings("life", n=60))
+    yield here
+    here.close()
 
 
 def test_a_click_raises_an_attraction_and_a_right_click_lowers_it(desk: Desk) -> None:
@@ -74,6 +77,7 @@ def test_new_particles_have_the_chosen_kind(desk: Desk) -> None:
 def test_other_scenes_have_no_panel() -> None:
     desk = Desk(Settings("gas", n=10))
     assert "section Particle life" not in desk.gui.marks
+    desk.close()
     simulation = start(Settings("gas", n=10))
     assert "choose the scene life" in str(simulation.adjust("matrix", TWO))
     assert simulation.settings.matrix is None

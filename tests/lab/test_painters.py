@@ -18,15 +18,18 @@ from jostle_lab.draw.base_layers import (
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import DISCS, SHADES, STAGE, WALL, blend, level_colour
-from jostle_lab.draw.software import MEMORY_LIMIT, Stamps
+from jostle_lab.draw.software import MEMORY_LIMIT, SoftwarePainter, Stamps
 from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.region import Torus
 
 
 @pytest.fixture(scope="module", params=["software", "opengl"])
 def painter(request: pytest.FixtureRequest) -> Iterator[Painter]:
-    screen = open_screen(request.param)
-    yield screen.painter
+    if request.param == "software":
+        yield SoftwarePainter(SIZE)
+        return
+    screen = open_screen()
+    yield screen.opengl
     screen.close()
 
 

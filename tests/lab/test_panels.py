@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
+from lab_overlays import open_screen
 
 import jostle
 from jostle_lab import panels
-from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.host import Gui
 from jostle_lab.panels import settings_panel
@@ -26,16 +26,17 @@ class Desk:
 
     def __init__(self, settings: Settings, size: tuple[int, int] = (1600, 1100)) -> None:
         self.session = Session(start(settings), size, synchronous=True)
-        self.painter = SoftwarePainter(size)
+        self.screen = open_screen(size)
+        self.painter = self.screen.opengl
+        self.painter.resize(size)
         self.gui = Gui(self.painter)
         self.taken: list[bool] = []
-        drawing = self.gui.drawing
-        self._draw, drawing.draw = drawing.draw, drawing.update_font_atlas
+        self._draw, self.gui._draw = self.gui._draw, lambda: None
         self.frame(3)
 
     def paint(self) -> None:
         """From now on paint each frame."""
-        self.gui.drawing.draw = self._draw
+        self.gui._draw = self._draw
         self.frame()
 
     def frame(self, count: int = 1) -> None:
@@ -87,6 +88,11 @@ class Desk:
     def world(self) -> jostle.World:
         return self.session.engine.simulation.world
 
+    def close(self) -> None:
+        self.session.close()
+        self.gui.close()
+        self.screen.close()
+
 
 @pytest.fixture
 def desk() -> Iterator:
@@ -98,8 +104,7 @@ def desk() -> Iterator:
 
     yield make
     for each in made:
-        each.session.close()
-        each.gui.close()
+        each.close()
 
 
 def test_gravity_follows_the_slider_while_it_is_held(desk) -> None:

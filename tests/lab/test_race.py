@@ -40,7 +40,7 @@ def run(window: Window, frames: int) -> None:
 
 def halves(window: Window) -> tuple[np.ndarray, np.ndarray]:
     """What the two columns show, without headings and the readout."""
-    picture = pygame.surfarray.array3d(window.painter.canvas())
+    picture = pygame.surfarray.array3d(window.screen.canvas())
     camera = window.session.camera
     edge, end, width = (
         round(at) for at in (camera.column_edge(1), camera.column_edge(2), camera.column_width)
@@ -203,10 +203,10 @@ def test_what_cannot_race_is_refused_in_a_sentence(open_race) -> None:
     assert window.session.runner.race is None and "two methods" in window.session.message
 
 
-def test_another_size_of_window_divides_it_anew(open_race) -> None:
+def test_another_size_of_window_divides_it_anew(open_race, monkeypatch) -> None:
     window = open_race(Settings("gas", 100))
     for size in [(900, 500), (1, 1), (1280, 720)]:
-        pygame.display.set_mode(size, pygame.RESIZABLE)
+        monkeypatch.setattr(pygame.display, "get_window_size", lambda size=size: size)
         pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
         window.frame(FRAME)
     left, right = halves(window)

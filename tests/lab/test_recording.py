@@ -167,7 +167,7 @@ def test_the_window_never_waits_for_the_film(session: Session, monkeypatch) -> N
 
 def red_pixels(window: Window) -> int:
     """Return how many pixels in the right corner have the colour of the mark of a film."""
-    picture = pygame.surfarray.array3d(window.painter.canvas())[-300:, -60:].astype(int)
+    picture = pygame.surfarray.array3d(window.screen.canvas())[-300:, -60:].astype(int)
     return int((np.abs(picture - np.array(RECORDING)).sum(axis=2) < 30).sum())
 
 

@@ -163,7 +163,6 @@ def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
     monkeypatch.setattr(driver.session.engine, "close", fail)
     for name, part in [
         ("files", driver.session.files),
-        ("background", driver.window.background),
         ("screen", driver.window.screen),
     ]:
         close = part.close
@@ -172,7 +171,7 @@ def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
         )
     with pytest.raises(RuntimeError, match="lost"):
         driver.window.close()
-    assert closed == ["files", "engine", "background", "screen"]
+    assert closed == ["files", "engine", "screen"]
 
 
 def test_drift_begins_again_when_the_new_gravity_is_there() -> None:
@@ -338,7 +337,6 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
         session.runner.loader.wait()
         while session.engine.busy:
             time.sleep(0.001)
-        driver.window.background.wait()
         driver.frames(2)
 
     driver.frames(3)

@@ -121,7 +121,7 @@ def test_t_cycles_the_tree() -> None:
     for _ in TreeView:
         driver.key(pygame.K_t)
         views.append(driver.session.view_options.tree)
-        pictures.append(pygame.surfarray.array3d(driver.window.painter.canvas())[:, 60:-80])
+        pictures.append(pygame.surfarray.array3d(driver.window.screen.canvas())[:, 60:-80])
     assert set(views) == set(TreeView) and views[-1] is first
     assert all((pictures[k] != pictures[k - 1]).any() for k in range(len(pictures)))
 

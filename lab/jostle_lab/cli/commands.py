@@ -10,7 +10,7 @@ from rich.table import Table
 import jostle
 from jostle_lab import interrupt
 from jostle_lab.launcher import is_started_by_mpi
-from jostle_lab.simulate.settings import METHODS, RENDERERS, RULES, STEPS, Settings
+from jostle_lab.simulate.settings import METHODS, RULES, STEPS, Settings
 from jostle_lab.simulate.validation import one_of, whole
 
 from .refusals import check_file, check_folder, check_option, check_scene, console, refuse
@@ -92,9 +92,6 @@ def run(
         int | None,
         typer.Option(help="Number of steps; without a window, 10 s of video if not given."),
     ] = None,
-    renderer: Annotated[
-        str | None, typer.Option(help="Renderer of the window: auto, opengl or software.")
-    ] = None,
     headless: Annotated[
         bool, typer.Option("--headless", help="Record a video instead of opening a window.")
     ] = False,
@@ -111,22 +108,15 @@ def run(
     for name, value in given.items():
         check_option(name, value, RULES[name])
     check_option("steps", steps, STEPS)
-    check_option("renderer", renderer, one_of(*RENDERERS))
     if is_started_by_mpi():
         refuse("a scene runs in one process; examples/film_over_ranks.py runs one on many ranks")
     config = read_settings(config_file)
     settings = replace(config.settings, **given)
     why_no_window = None
     if not headless:
-        why_no_window = (
-            show(settings, steps, renderer or config.renderer or RENDERERS[0], config)
-            if has_display()
-            else "there is no display"
-        )
+        why_no_window = show(settings, steps, config) if has_display() else "there is no display"
         if why_no_window is None:
             return
-    if renderer == "opengl":
-        refuse("--renderer is 'opengl', but a video is drawn in software")
     check_folder(out)
     if why_no_window is not None:
         console.print(f"No window ({why_no_window}); recording a video instead.")

@@ -33,21 +33,19 @@ def read_settings(path: Path | None) -> Config:
         refuse(f"--config is {str(path)!r}, which cannot be read: {error.strerror}")
 
 
-def show(settings: Settings, steps: int | None, renderer: str, config: Config) -> str | None:
+def show(settings: Settings, steps: int | None, config: Config) -> str | None:
     """Run in a window; return the reason if none can be opened."""
     if importlib.util.find_spec("imgui_bundle") is None:
         refuse("the window needs Python 3.11 or newer; --headless records a video")
     import pygame
 
-    from jostle_lab.draw.screen import NoRendererError
+    from jostle_lab.draw.screen import NoOpenGLError
     from jostle_lab.window import SIZE, Window
 
     simulation = _start(settings, config)
     try:
-        window = Window(simulation, config.size or SIZE, steps=steps, renderer=renderer)
-    except NoRendererError as error:
-        refuse(f"--renderer is 'opengl', but {error}")
-    except pygame.error as error:
+        window = Window(simulation, config.size or SIZE, steps=steps)
+    except (NoOpenGLError, pygame.error) as error:
         return str(error)
     window.session.view_options.update(config.view_options)
     with interrupt.raised():

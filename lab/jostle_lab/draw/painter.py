@@ -33,7 +33,6 @@ def whole_pixels(size: Size, corners: Floats) -> NDArray[np.intp]:
 class Painter(Protocol):
     """A canvas; later operations draw over earlier ones."""
 
-    name: str
     size: Size
 
     def resize(self, size: Size) -> None:
@@ -67,9 +66,3 @@ class Painter(Protocol):
 
     def canvas(self) -> pygame.Surface:
         """Return the contents: a view that later operations change, or a copy."""
-
-    def show(self) -> None:
-        """Copy the canvas to the window, which has its size."""
-
-    def release(self) -> None:
-        """Release all resources; the painter is not used again."""

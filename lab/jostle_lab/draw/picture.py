@@ -1,6 +1,5 @@
 """All layers of a frame in their order, for the window and for videos."""
 
-import threading
 from collections.abc import Callable
 
 import pygame
@@ -23,11 +22,10 @@ DrawTree = Callable[[Painter, jostle.Nodes, Camera], Legend | None]
 class Picture:
     """Draws frames, and keeps what one frame needs of those before it.
 
-    Each run has its own. Two threads may use it, one after the other.
+    Each run has its own.
     """
 
     def __init__(self) -> None:
-        self._in_use = threading.Lock()  # by the UI thread or the worker thread
         self.colouring = Colouring()  # the colour of each particle
         self.trails = Trails()  # the past positions of particles
         self._extras = SceneOverlays()
@@ -48,42 +46,41 @@ class Picture:
         part: pygame.Rect | None = None,
     ) -> None:
         """Draw the part of the world in the camera's view, on the canvas or a part of it."""
-        with self._in_use:
-            painter.clip(part)
-            cards: list[Card | None] = []
-            shades = self.colouring.shades(frame, options.colour_by)
-            if options.colour_by is not ColourBy.AUTO:
-                cards.append(self.colouring.legend)
-            base_layers.draw_container(painter, frame.container, camera)
-            if options.tree is TreeView.FILLED:
-                _draw_tree(base_layers.draw_filled, painter, frame, camera, part)
-            elif options.tree is TreeView.HEAT:
-                cards.append(_draw_tree(base_layers.draw_heat, painter, frame, camera, part))
-            if options.trails:
-                cards.append(self.trails.draw(painter, frame, shades, camera))
-            self._extras.draw_below(painter, frame, camera)
-            marks.draw_springs(painter, frame, camera)
-            base_layers.draw_discs(painter, frame, shades, camera)
-            marks.draw_spins(painter, frame, camera)
-            base_layers.draw_wall_discs(painter, frame, camera)
-            base_layers.draw_walls(painter, frame.walls, frame.container, camera)
-            if options.tree is TreeView.OUTLINE:
-                _draw_tree(base_layers.draw_outline, painter, frame, camera, part)
-            marks.draw_attractors(painter, frame, camera)
-            if options.forces:
-                cards.append(marks.draw_force_chains(painter, frame, camera))
-            if options.contacts:
-                cards.append(marks.draw_contacts(painter, frame, camera))
-            if options.velocities:
-                cards.append(marks.draw_velocities(painter, frame, camera))
-            if options.labels:
-                cards.append(marks.draw_labels(painter, frame, camera))
-            cards += self._extras.draw_above(painter, frame, camera)
-            painter.clip(None)
-            left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
-            if part is not None:
-                left, right = max(left, part.left + EDGE), min(right, part.right)
-            draw_cards(painter, [card for card in cards if card], left, right)
+        painter.clip(part)
+        cards: list[Card | None] = []
+        shades = self.colouring.shades(frame, options.colour_by)
+        if options.colour_by is not ColourBy.AUTO:
+            cards.append(self.colouring.legend)
+        base_layers.draw_container(painter, frame.container, camera)
+        if options.tree is TreeView.FILLED:
+            _draw_tree(base_layers.draw_filled, painter, frame, camera, part)
+        elif options.tree is TreeView.HEAT:
+            cards.append(_draw_tree(base_layers.draw_heat, painter, frame, camera, part))
+        if options.trails:
+            cards.append(self.trails.draw(painter, frame, shades, camera))
+        self._extras.draw_below(painter, frame, camera)
+        marks.draw_springs(painter, frame, camera)
+        base_layers.draw_discs(painter, frame, shades, camera)
+        marks.draw_spins(painter, frame, camera)
+        base_layers.draw_wall_discs(painter, frame, camera)
+        base_layers.draw_walls(painter, frame.walls, frame.container, camera)
+        if options.tree is TreeView.OUTLINE:
+            _draw_tree(base_layers.draw_outline, painter, frame, camera, part)
+        marks.draw_attractors(painter, frame, camera)
+        if options.forces:
+            cards.append(marks.draw_force_chains(painter, frame, camera))
+        if options.contacts:
+            cards.append(marks.draw_contacts(painter, frame, camera))
+        if options.velocities:
+            cards.append(marks.draw_velocities(painter, frame, camera))
+        if options.labels:
+            cards.append(marks.draw_labels(painter, frame, camera))
+        cards += self._extras.draw_above(painter, frame, camera)
+        painter.clip(None)
+        left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
+        if part is not None:
+            left, right = max(left, part.left + EDGE), min(right, part.right)
+        draw_cards(painter, [card for card in cards if card], left, right)
 
 
 def _draw_tree(

@@ -1,9 +1,4 @@
-"""The choice of the painter: the graphics card if there is one, else the processor.
-
-OpenGL in software is slower than the software painter, so it is used only on request.
-"""
-
-import os
+"""The window on the desktop: its OpenGL, the painter of its scene, and its icon."""
 
 import moderngl
 import pygame
@@ -14,30 +9,33 @@ from jostle_lab.draw.opengl import OpenGLPainter
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.software import SoftwarePainter
 
-# Exceptions of drawing when an OpenGL context is lost.
-FAILURES = (pygame.error, moderngl.Error)
 ICON = 64  # pixels, the side of the icon of the window
 FINE = 4 * ICON  # drawn larger and reduced, so that all edges are smooth
+ADVICE = "Mesa has one that needs no graphics card (Debian: libgl1-mesa-dri)"
 
 
-class NoRendererError(Exception):
-    """The requested renderer is not available; the message says why."""
+class NoOpenGLError(Exception):
+    """There is no OpenGL for a window; the message says why."""
 
 
 class Screen:
-    """The window on the desktop, and the painter of its canvas.
+    """A window, which OpenGL shows, and the painter of the scene in it.
 
-    Sizes of the window and mouse positions are in points, sizes of the canvas in pixels. A
-    renderer, one of `settings.RENDERERS`, that is not available raises a NoRendererError.
+    Sizes of the window and mouse positions are in points, sizes of the canvas in pixels. Without
+    OpenGL 3.3 a NoOpenGLError is raised.
     """
 
-    def __init__(self, size: Size, renderer: str = "auto") -> None:
+    def __init__(self, size: Size) -> None:
         pygame.display.init()
         # Before the window, because some systems show the first icon only, and after it, because
         # pygame gives an OpenGL window an icon of its own.
         pygame.display.set_icon(icon())
-        self.painter = _open(size, renderer)
+        self.opengl = _open(size)
         pygame.display.set_icon(icon())
+        # The painter of videos is two to three times as fast as OpenGL in software.
+        self.painter: Painter = self.opengl
+        if self.opengl.emulated:
+            self.painter = SoftwarePainter(self.opengl.size)
 
     @property
     def size(self) -> Size:
@@ -51,50 +49,33 @@ class Screen:
 
     def fit(self) -> bool:
         """Adopt the present size of the window; return whether it has changed."""
-        size = self.size
-        window = pygame.display.get_surface()
-        if window is not None and self.painter.name == "software":
-            size = window.get_size()  # that of an OpenGL window does not change
-        if size == self.painter.size:
+        if self.size == self.painter.size:
             return False
-        self.painter.resize(size)
+        self.opengl.resize(self.size)
+        if self.painter is not self.opengl:
+            self.painter.resize(self.size)
         return True
 
+    def end_scene(self) -> None:
+        """Hand the scene over to OpenGL, which draws the panels over it."""
+        if self.painter is not self.opengl:
+            self.opengl.copy(self.painter.canvas())
+
+    def canvas(self) -> pygame.Surface:
+        """Return a copy of the window's contents."""
+        return self.opengl.canvas()
+
     def show(self) -> None:
-        self.painter.show()
+        self.opengl.show()
         pygame.display.flip()
 
-    def fall_back(self) -> None:
-        """Switch to the software painter after the graphics card has failed."""
-        self.painter = _open_software(self.size)
-        pygame.display.set_icon(icon())
-
     def close(self) -> None:
-        self.painter.release()
+        self.opengl.release()
         pygame.display.quit()
 
 
-def _open(size: Size, renderer: str) -> Painter:
+def _open(size: Size) -> OpenGLPainter:
     """Open a window and return the painter for it."""
-    if renderer != "software":
-        try:
-            painter = _open_opengl(size)
-            if renderer == "opengl" or not painter.emulated:
-                return painter
-            painter.release()
-        except NoRendererError:
-            if renderer == "opengl":
-                raise
-    return _open_software(size)
-
-
-def _open_software(size: Size) -> Painter:
-    # Otherwise SDL copies each frame through OpenGL, which is slow in software.
-    os.environ.setdefault("SDL_FRAMEBUFFER_ACCELERATION", "0")
-    return SoftwarePainter(pygame.display.set_mode(size, pygame.RESIZABLE).get_size())
-
-
-def _open_opengl(size: Size) -> OpenGLPainter:
     for attribute, value in (
         (pygame.GL_CONTEXT_MAJOR_VERSION, 3),
         (pygame.GL_CONTEXT_MINOR_VERSION, 3),
@@ -113,8 +94,8 @@ def _open_opengl(size: Size) -> OpenGLPainter:
         if context.version_code >= 330:
             return OpenGLPainter(screen.get_size(), context)
     except Exception as error:  # exceptions depend on the driver
-        raise NoRendererError(f"there is no OpenGL 3.3 here: {error}") from error
-    raise NoRendererError(f"OpenGL is {context.version_code / 100:.1f}, and 3.3 is needed")
+        raise NoOpenGLError(f"there is no OpenGL 3.3 here: {error}; {ADVICE}") from error
+    raise NoOpenGLError(f"OpenGL is {context.version_code / 100:.1f}, and 3.3 is needed; {ADVICE}")
 
 
 def icon() -> pygame.Surface:

@@ -133,12 +133,10 @@ SHEET = (
     f"""{_HEAD}
 in vec2 corner;
 uniform vec4 box;
-uniform bool upright;
 out vec2 at;
 void main() {{
     at = 0.5 * corner + 0.5;
     gl_Position = on_screen(mix(box.xy, box.zw, at));
-    if (upright) at.y = 1.0 - at.y;
 }}
 """,
     """#version 330

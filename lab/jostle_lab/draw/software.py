@@ -238,8 +238,6 @@ def draw_axis_lines(
 class SoftwarePainter:
     """A surface to draw on, with a cache of stamps."""
 
-    name = "software"
-
     def __init__(self, size: Size) -> None:
         self._stamps = Stamps()
         self.resize(size)
@@ -303,14 +301,6 @@ class SoftwarePainter:
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
         self._canvas.blit(surface, (round(place[0]), round(place[1])))
-
-    def show(self) -> None:
-        window = pygame.display.get_surface()
-        if window is not None:
-            window.blit(self._canvas, (0, 0))
-
-    def release(self) -> None:
-        """Release nothing: there is only memory."""
 
 
 def _draw_large(

@@ -2,7 +2,6 @@
 
 ======================= ========================================================================
 style                   the widths of the panels; colours, spacing and fonts
-software                ImGui's triangles as shapes, drawn without a graphics card
 host                    one ImGui context: events in, panels out
 keymap, input           keys and their commands; events of mouse and keys
 ======================= ========================================================================

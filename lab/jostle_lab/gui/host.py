@@ -7,9 +7,7 @@ from imgui_bundle import imgui, implot
 
 from jostle_lab.draw.camera import Size
 from jostle_lab.draw.opengl import OpenGLPainter
-from jostle_lab.draw.painter import Painter
 from jostle_lab.gui import style as gui_style
-from jostle_lab.gui.software import SoftwareGui
 
 OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
 SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
@@ -35,24 +33,6 @@ KEYS: dict[int, imgui.Key] = {
 }
 
 
-class OpenGLGui:
-    """As `SoftwareGui`, by ImGui's own backend, which does not change the state of OpenGL."""
-
-    def __init__(self, painter: OpenGLPainter) -> None:
-        self._painter = painter
-        imgui.backends.opengl3_init("#version 330")
-
-    def begin(self) -> None:
-        imgui.backends.opengl3_new_frame()
-
-    def draw(self, data: imgui.ImDrawData) -> None:
-        self._painter.target.use()
-        imgui.backends.opengl3_render_draw_data(data)
-
-    def close(self) -> None:
-        imgui.backends.opengl3_shutdown()
-
-
 class Gui:
     """Panels and menus over the canvas of a painter.
 
@@ -60,7 +40,7 @@ class Gui:
     of the mouse, independent of the density of the screen.
     """
 
-    def __init__(self, painter: Painter) -> None:
+    def __init__(self, painter: OpenGLPainter) -> None:
         self._context = imgui.create_context()
         imgui.set_current_context(self._context)
         self._plots = implot.create_context()
@@ -68,10 +48,8 @@ class Gui:
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
         gui_style.apply()
-        # Draws ImGui's output on that canvas.
-        self.drawing = (
-            OpenGLGui(painter) if isinstance(painter, OpenGLPainter) else SoftwareGui(painter)
-        )
+        self._painter = painter
+        imgui.backends.opengl3_init("#version 330")
         # Rectangles, in points, of the widgets and windows named by `mark` and `mark_window`.
         self.marks: dict[str, pygame.Rect] = {}
         self._owned: set[int] = set()  # buttons pressed in a panel
@@ -90,7 +68,7 @@ class Gui:
         io.delta_time = max(elapsed, SHORTEST)
         io.display_size = imgui.ImVec2(*size)
         io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
-        self.drawing.begin()
+        imgui.backends.opengl3_new_frame()
         imgui.new_frame()
         self._in_frame = True
         if self._dismiss:
@@ -101,12 +79,16 @@ class Gui:
         """End the frame and draw it over the canvas."""
         self._in_frame = False
         imgui.render()
-        self.drawing.draw(imgui.get_draw_data())
+        self._draw()
 
     def again(self) -> None:
         """Draw the last frame again."""
         self._activate()
-        self.drawing.draw(imgui.get_draw_data())
+        self._draw()
+
+    def _draw(self) -> None:
+        self._painter.target.use()
+        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
 
     def mark(self, name: str) -> None:
         """Record the rectangle of the last widget."""
@@ -172,7 +154,7 @@ class Gui:
         self._activate()
         if self._in_frame:
             imgui.end_frame()
-        self.drawing.close()
+        imgui.backends.opengl3_shutdown()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._context)
 

@@ -33,7 +33,6 @@ from jostle_lab.simulate.validation import (
 
 # Names of the methods in the user interface.
 METHODS = {"quadtree": "quadtree", "brute": "brute force"}
-RENDERERS = ("auto", "opengl", "software")
 MOST_BRUTE = 30_000  # particles with which a running scene takes brute force
 MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds

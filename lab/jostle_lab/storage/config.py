@@ -14,7 +14,7 @@ from typing import Any
 
 from jostle_lab.draw.camera import Size
 from jostle_lab.draw.view_options import OPTION_RULES
-from jostle_lab.simulate.settings import RENDERERS, RULES, SETTINGS, Settings, unknown_scene
+from jostle_lab.simulate.settings import RULES, SETTINGS, Settings, unknown_scene
 from jostle_lab.simulate.validation import (
     Fields,
     Key,
@@ -22,7 +22,6 @@ from jostle_lab.simulate.validation import (
     converted,
     dotted,
     each,
-    one_of,
     refusals,
     whole,
 )
@@ -37,7 +36,6 @@ MOST_BYTES = 64 << 20  # of a file
 
 WINDOW_RULES: dict[str, Rule] = {
     "size": each(whole(SMALLEST, LARGEST), "width", "height"),
-    "renderer": one_of(*RENDERERS),
 }
 WINDOW = Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", required=())
 SHOWN = Fields(OPTION_RULES, "an entry of [shown]", "a table, [shown]", required=())
@@ -56,7 +54,6 @@ class Config:
     settings: Settings = field(default_factory=Settings)
     view_options: Mapping[str, Any] = field(default_factory=dict)
     size: Size | None = None
-    renderer: str | None = None
 
 
 def read_config(path: Path) -> Config:
@@ -79,7 +76,6 @@ def read_config(path: Path) -> Config:
         settings=Settings(**values),
         view_options=shown,
         size=window.get("size"),
-        renderer=window.get("renderer"),
     )
 
 
