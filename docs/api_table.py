@@ -30,7 +30,7 @@ from jostle.results.base import Result
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "api.md"
 STUB = ROOT / "python" / "jostle" / "_core.pyi"
-MODULES = ("jostle.life", "jostle.scenes", "jostle.mpi")
+MODULES = ("jostle.life", "jostle.scenes", "jostle.record", "jostle.mpi")
 
 HEAD = """\
 # All public names

@@ -31,7 +31,7 @@ os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 ROOT = Path(__file__).parents[1]
 STUB = ROOT / "python" / "jostle" / "_core.pyi"
 MODULES = [
-    *("jostle", "jostle.scenes", "jostle.pyqtree"),
+    *("jostle", "jostle.scenes", "jostle.record", "jostle.pyqtree"),
     *(f"jostle.{name}" for name in ("pygame", "arcade") if find_spec(name)),
     *(["jostle.mpi"] if find_spec("mpi4py") else []),
 ]

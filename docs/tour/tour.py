@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pygame
 
+from jostle.record import Film, write_png
 from jostle_lab.draw.camera import Size
 from jostle_lab.simulate.start import start
-from jostle_lab.storage.encoder import Encoder, write_png
+from jostle_lab.storage.recording import pixels
 from jostle_lab.window import SIZE, Window
 from tour.scripted_user import FILMED, FRAME, ScriptedUser
 from tour.stops import Stop
@@ -38,11 +39,12 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     session.files.folder = out
     session.shows_times = False  # those of a window without a graphics card
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
-    video = Encoder(path, size, RATE) if film else contextlib.nullcontext()
+    video = Film(path, size, RATE) if film else contextlib.nullcontext()
     with contextlib.closing(window), video as recorder:
-        user = ScriptedUser(window, recorder.draw if recorder else None)
+        show = (lambda canvas: recorder.add(pixels(canvas))) if recorder else None
+        user = ScriptedUser(window, show)
         stop.script(user)
-        write_png(user.picture(), still)
+        write_png(still, pixels(user.picture()))
     return Visit(still, path if film else None, recorder.frames if recorder else 0)
 
 

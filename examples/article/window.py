@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pygame
 
+from jostle.record import Film
 from jostle_lab.article import FRAME_RATE, HEIGHT, WIDTH, Leaf, Particle, Simulation
 from jostle_lab.cli.runs import has_display
-from jostle_lab.storage.encoder import Encoder
+from jostle_lab.storage.recording import pixels
 
 WHITE, INK = (255, 255, 255), (40, 40, 40)
 SIZE = WIDTH, HEIGHT
@@ -47,14 +48,14 @@ def frames(
     else:
         screen = pygame.Surface(SIZE, depth=32)
         try:
-            encoder = Encoder(chosen.film, SIZE, FRAME_RATE)
+            film = Film(chosen.film, SIZE, FRAME_RATE)
         except (OSError, ValueError) as error:
             raise SystemExit(f"--film is {str(chosen.film)!r}: {error}") from None
-        with encoder:
+        with film:
             for frame in range(chosen.frames):
                 screen.fill(WHITE)
                 yield screen, frame >= chosen.frames // 2
-                encoder.draw(screen)
+                film.add(pixels(screen))
         print(f"{chosen.film}: {chosen.frames} frames")
 
 

@@ -3,9 +3,9 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Literal
 
 import pygame
 from rich.console import Console
@@ -13,6 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 import jostle
+from jostle import record
 from jostle_lab import interrupt
 from jostle_lab.draw import text
 from jostle_lab.draw.camera import Camera, Size
@@ -23,11 +24,10 @@ from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.race import article_of
 from jostle_lab.simulate.engine import Engine
-from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.settings import METHODS
-from jostle_lab.simulate.simulation import TIME_STEP, Simulation
-from jostle_lab.storage.encoder import Encoder, write_png
-from jostle_lab.storage.exports import free_name
+from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.storage.files import free_name
+from jostle_lab.storage.recording import pixels
 
 SIZE = (1280, 720)
 FRAME_RATE = 30
@@ -182,7 +182,7 @@ def make_film(
         readout.draw(painter, engine, rate, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    with Encoder(video, size, FRAME_RATE) as recorder, progress_bar(console) as progress:
+    with record.Film(video, size, FRAME_RATE) as recorder, progress_bar(console) as progress:
         task = progress.add_task(f"recording {name}", total=steps)
         for step in range(steps + 1):
             interrupt.check()
@@ -193,86 +193,65 @@ def make_film(
                 progress.advance(task)
             if step % stride == 0:
                 draw(step, step * simulation.time_step)
-                recorder.draw(painter.canvas())
+                recorder.add(pixels(painter.canvas()))
     draw(steps, now=math.inf)  # the numbers of the last step, as in the table
-    write_png(painter.canvas(), still)
+    record.write_png(still, pixels(painter.canvas()))
     return Film(video, still, steps, recorder.frames, spent)
 
 
 # The table
 
 PATIENCE = 1.0  # seconds of measuring for each method
-BRUTE_LIMIT = 20_000  # particles; above, brute force is timed with fewer and scaled by n²
-BRUTE_SAMPLE = 10_000
-ARTICLE_LIMIT = 10_000  # particles; above, the article's tree is timed with so many
+LIMITS = {"brute": 20_000, "article": 10_000}  # particles; with more a method is not timed
+METHODS_TIMED = {
+    "quadtree": "quadtree, per step",
+    "brute": "brute force, per step",
+    "article": "article's tree, per frame",
+}
 
 
 def film_report(simulation: Simulation, film: Film) -> Table:
-    """Time the methods at the last state, and return all numbers as a table.
+    """Return the numbers of the film, and the times of all methods at its last state.
 
     This steps `simulation`.
     """
     settings, n, state = simulation.settings, len(simulation), simulation.frame()
-    facts = state.stats
-    every_pair = text.pairs_of(n)
-    simulation.world.sleeping = False  # the time of a step in which all are awake
-    saved = simulation.world.snapshot()  # the state at which all methods are timed
-    own = _milliseconds(simulation.step)  # without an encoder that uses the processor
+    facts, every_pair, world = state.stats, text.pairs_of(n), simulation.world
+    world.sleeping = False  # the time of a step in which all are awake
     table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
     table.show_header = False
     table.add_column()
     table.add_column(justify="right")
     table.add_column(style="dim")
-    recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
     part = f"{text.share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
     table.add_row("particles", f"{n:,}")
     table.add_row("steps", f"{film.steps:,}", text.plural(film.frames, "frame"))
-    table.add_row("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}")
+    table.add_row("steps/s", f"{film.steps / film.step_seconds:,.0f}", "while recording")
     table.add_row("pairs tested", f"{facts.pairs_tested:,}", part)
     table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
     if facts.asleep:
         table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
     table.add_section()
-    if every_pair:
-        _compare(table, simulation, (state, saved))
-    else:
-        table.add_row("other methods", "–", "no pairs, so nothing to compare")
+    saved, ours = world.snapshot(), 0.0
+    for method, name in METHODS_TIMED.items() if every_pair else ():
+        if n > LIMITS.get(method, n):
+            table.add_row(name, "–", f"not timed with more than {LIMITS[method]:,} particles")
+            continue
+        if method == "article":
+            took = _milliseconds(article_of(state, simulation.view, "quadtree").frame)
+        else:
+            world = jostle.World.restore(saved)
+            world.method = method  # type: ignore[assignment]
+            took = _milliseconds(partial(world.step, simulation.time_step))
+        ours = ours or took
+        remark = f"{took / ours:,.1f} ×" if method != "quadtree" else f"{1e3 / took:,.0f} steps/s"
+        table.add_row(name, _ms(took), remark + ", in plain Python" * (method == "article"))
+    if not every_pair:
+        table.add_row("methods", "–", "no pairs, so nothing to compare")
     return table
 
 
-def _compare(table: Table, simulation: Simulation, at: tuple[Frame, bytes]) -> None:
-    """Add a row for each method, all at the same state unless it has too many particles."""
-    (state, saved), settings, n = at, simulation.settings, len(simulation)
-    ours, our_pairs = _time_world(jostle.World.restore(saved), "quadtree")
-    world = jostle.World.restore(saved)
-    table.add_row("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs")
-    about, remark, scale = "", "", 1.0
-    if n > BRUTE_LIMIT:
-        world = jostle.scenes.create(settings.scene, n=BRUTE_SAMPLE, seed=settings.seed)
-        world.sleeping = False
-        about, remark = "≈ ", f" (scaled from {BRUTE_SAMPLE:,})"
-        scale = (n / BRUTE_SAMPLE) ** 2
-    brute, pairs = (milliseconds * scale for milliseconds in _time_world(world, "brute"))
-    remark = f"{_times(brute, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
-    table.add_row("brute force, per step", about + _ms(brute), remark)
-    if n > ARTICLE_LIMIT:
-        simulation = Simulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
-        state = simulation.frame()
-    article = _milliseconds(article_of(state, simulation.view, "quadtree").frame)
-    remark = f"{_times(article, ours)}, in plain Python"
-    if n > ARTICLE_LIMIT:
-        remark = f"with only {ARTICLE_LIMIT:,} particles"
-    table.add_row("article's tree, per frame", _ms(article), remark)
-
-
-def _time_world(world: jostle.World, method: Literal["quadtree", "brute"]) -> tuple[float, float]:
-    """Return the milliseconds per step, and the time of the pairs in the last step."""
-    world.method = method
-    step = _milliseconds(lambda: world.step(TIME_STEP))
-    return step, world.profile["build"] + world.profile["pairs"]
-
-
-def _milliseconds(step: Callable[[], None]) -> float:
+def _milliseconds(step: Callable[[], object]) -> float:
     """Return the mean time of a step over at most `PATIENCE` seconds, after one to warm up."""
     step()
     start, count = time.perf_counter(), 0
@@ -286,7 +265,3 @@ def _ms(value: float) -> str:
     """Return milliseconds with three significant digits, never as a power of ten."""
     digits = max(2 - math.floor(math.log10(value)), 0) if value > 0 else 0
     return f"{value:,.{digits}f} ms"
-
-
-def _times(other: float, ours: float) -> str:
-    return f"{other / ours:,.1f} ×" if ours > 0 else "–"

@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Iterator
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from types import GetSetDescriptorType, MemberDescriptorType, ModuleType
 from typing import Any
 
@@ -22,6 +23,7 @@ NEEDED = {
     "jostle.arcade": "arcade",
     "jostle.mesa": "mesa",
     "jostle.mpi": "mpi4py",
+    "jostle.record": "imageio_ffmpeg",
 }
 MODULES = [
     *(jostle, jostle.scenes, jostle.life, jostle.pyqtree),
@@ -78,8 +80,13 @@ def test_public_name_has_a_docstring(thing: Any, module: ModuleType) -> None:
 
 @pytest.mark.parametrize(("thing", "module"), WITH_EXAMPLES)
 def test_examples_of_a_docstring_run(
-    thing: Any, module: ModuleType, request: pytest.FixtureRequest
+    thing: Any,
+    module: ModuleType,
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """An example may use the names of its module, `jostle` and `np` without importing them."""
+    monkeypatch.chdir(tmp_path)  # examples write files
     names = {**vars(module), "jostle": jostle, "np": np}
     run_examples(own_docstring(thing), names, request.node.callspec.id)

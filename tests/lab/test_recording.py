@@ -9,23 +9,18 @@ import pygame
 import pytest
 from outputs import frames_of
 
+from jostle.record import Film
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.palette import DISCS, GROUND, RECORDING
+from jostle_lab.draw.palette import RECORDING
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
-from jostle_lab.storage import encoder, files
-from jostle_lab.storage.encoder import MOST_QUEUED, Encoder, Recording, gif_palette
+from jostle_lab.storage import files, recording
+from jostle_lab.storage.recording import MOST_QUEUED, Recording
 from jostle_lab.window import Window
 
 SIZE = (320, 180)
-
-
-def canvas(size: tuple[int, int], colour: tuple[int, int, int] = GROUND) -> object:
-    surface = pygame.Surface(size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    surface.fill(colour)
-    return surface
 
 
 def blurred(picture: np.ndarray, side: int) -> np.ndarray:
@@ -55,35 +50,6 @@ def finish(session: Session) -> Recording:
     session.advance(0.0)
     assert session.files.recording is None
     return film
-
-
-@pytest.mark.parametrize("suffix", [".mp4", ".gif"])
-@pytest.mark.parametrize("size", [(64, 48), (65, 48), (64, 49), (65, 49), (3, 5)])
-def test_films_of_any_size(tmp_path: Path, suffix: str, size: tuple[int, int]) -> None:
-    with Encoder(tmp_path / f"film{suffix}", size) as film:
-        for shade in range(4):
-            film.draw(canvas(size, DISCS[6 * shade]))
-    pictures = frames_of(tmp_path / f"film{suffix}")
-    assert len(pictures) == 4
-    height, width = pictures[0].shape[:2]
-    assert (width, height) == (size if suffix == ".gif" else tuple(s + s % 2 for s in size))
-    for shade, picture in enumerate(pictures if min(size) > 9 else ()):  # colours run over edges
-        assert picture[: size[1], : size[0]].mean((0, 1)) == pytest.approx(DISCS[6 * shade], abs=6)
-
-
-def test_colours_of_a_gif_are_those_of_the_palette() -> None:
-    pixels = pygame.surfarray.array3d(gif_palette()).reshape(-1, 3)
-    assert len(pixels) == 256
-    have = set(map(tuple, pixels.tolist()))
-    assert {GROUND, *DISCS} <= have
-    assert len(have) > 200
-
-
-def test_another_suffix_and_a_folder_that_is_not_there_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"film\.avi is neither \.mp4 nor \.gif"):
-        Encoder(tmp_path / "film.avi", SIZE, 30)
-    with pytest.raises(OSError, match=r"(?i)no such file"):
-        Encoder(tmp_path / "missing" / "film.mp4", SIZE, 30)
 
 
 @pytest.mark.parametrize(("suffix", "rate"), [(".mp4", 30), (".gif", 25)])
@@ -140,15 +106,15 @@ def test_a_film_of_a_fixed_length_ends_by_itself(session: Session) -> None:
 
 def test_the_window_never_waits_for_the_film(session: Session, monkeypatch) -> None:
     """While the encoder is stuck the window goes on; the film then has the right length."""
-    gate, add = threading.Event(), Encoder.add
+    gate, add = threading.Event(), Film.add
     stuck = threading.Event()
 
-    def wait(self: Encoder, picture: bytes) -> None:
+    def wait(self: Film, picture: np.ndarray) -> None:
         stuck.set()
         assert gate.wait(60)
         add(self, picture)
 
-    monkeypatch.setattr(Encoder, "add", wait)
+    monkeypatch.setattr(Film, "add", wait)
     session.files.toggle_recording()
     run(session, 0.1)
     assert stuck.wait(60)
@@ -232,7 +198,7 @@ def test_without_a_folder_or_an_ffmpeg_a_notice_says_so(
     def missing() -> str:
         raise RuntimeError("No ffmpeg exe could be found.")
 
-    monkeypatch.setattr(encoder.imageio_ffmpeg, "get_ffmpeg_exe", missing)
+    monkeypatch.setattr(imageio_ffmpeg, "get_ffmpeg_exe", missing)
     session.files.toggle_recording()
     assert session.files.recording is None
     assert "no ffmpeg can be started" in session.message
@@ -240,7 +206,7 @@ def test_without_a_folder_or_an_ffmpeg_a_notice_says_so(
 
 def test_what_takes_too_long_at_the_end_is_left_out(tmp_path: Path, monkeypatch) -> None:
     gate = threading.Event()
-    monkeypatch.setattr(encoder.Picture, "draw", lambda *_: gate.wait(5))
+    monkeypatch.setattr(recording.Picture, "draw", lambda *_: gate.wait(5))
     simulation = start(Settings("gas", 10))
     film = Recording(tmp_path / "film.mp4", SIZE)
     camera = Camera(SIZE, simulation.view)

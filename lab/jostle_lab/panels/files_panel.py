@@ -11,7 +11,7 @@ from jostle_lab.gui.host import Gui
 from jostle_lab.gui.style import CHOSEN, FILLED, vec
 from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
-from jostle_lab.storage.encoder import FORMATS, Recording
+from jostle_lab.storage.recording import RATES, Recording
 
 ROWS = 6  # visible
 LINE, PADDING = 22.0, 5.0  # points
@@ -88,7 +88,7 @@ def _film(session: Session, gui: Gui) -> None:
     recording, options = session.files.recording, session.files.options
     busy = "A video is being recorded." if recording else ""
     ui.label("video")
-    for suffix, across in ui.in_rows(FORMATS, len(FORMATS)):
+    for suffix, across in ui.in_rows(RATES, len(RATES)):
         name, chosen = suffix.lstrip(".").upper(), options.suffix == suffix
         if ui.choice(gui, f"film {name}", name, across, chosen=chosen, reason=busy):
             options.suffix = suffix

@@ -6,12 +6,17 @@ message, too, and does not change the session.
 
 import contextlib
 import copy
+import itertools
+import re
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import jostle
+from jostle.record import write_csv, write_png, write_states
 from jostle.writing import write as write_file
 from jostle_lab.act.interaction import Messages
 from jostle_lab.draw.camera import Camera, Size
@@ -21,8 +26,7 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
 from jostle_lab.simulate.engine import Worker, message_of
 from jostle_lab.simulate.simulation import Simulation
-from jostle_lab.storage.encoder import Recording, write_png
-from jostle_lab.storage.exports import new_path, reason_of, write_gsd, write_positions, write_series
+from jostle_lab.storage.recording import Recording, pixels
 from jostle_lab.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
 
 Write = Callable[[Path], object]
@@ -104,7 +108,7 @@ class Files:
             try:
                 scenes[:] = [read_scene(path)]
             except OSError as error:
-                raise ValueError(reason_of(error, path)) from error
+                raise ValueError(_reason(error, path)) from error
             except MemoryError as error:
                 raise ValueError(f"There is not enough memory for {path.name}.") from error
             return scenes[0].simulation
@@ -132,7 +136,7 @@ class Files:
                 Picture().draw(painter, frame, camera, options)
             else:
                 self._runner.draw(painter, options)
-            write_png(painter.canvas(), path)
+            write_png(path, pixels(painter.canvas()))
 
         (self._export if many else self._write)(".png", write)
 
@@ -153,29 +157,39 @@ class Files:
 
     def export_csv(self) -> None:
         """Write the present particles, and the sums over time, as CSV."""
-        frame, sums = self._runner.engine.frame, self._runner.statistics.sums
+        sums = self._runner.statistics.sums
         table = {name: sums[name].copy() for name in sums.names}
 
-        def write(path: Path) -> None:
-            write_positions(path, frame)
-            write_series(path.with_name(path.stem + "-energies.csv"), table)
+        def write(path: Path, states: list[bytes]) -> None:
+            _write_states(path, states)
+            write_csv(path.with_name(path.stem + "-energies.csv"), table)
 
-        self._export(".csv", write)
+        self._export_states(".csv", lambda simulation: [simulation.save()], write)
 
     def export_gsd(self) -> None:
         """Write the last 30 s, ten frames per second, as GSD."""
-        engine, history = self._runner.engine, self._runner.history
-        writers: list[Callable[[Path], object]] = []
+        history = self._runner.history
 
-        def collect(simulation: Simulation) -> None:
+        def collect(simulation: Simulation) -> list[bytes]:
             history.hold(simulation)
             moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
-            view, time_step = simulation.view, simulation.time_step
-            states = _thinned(moments, 1 / GSD_RATE)
-            frames = (Simulation.resume(state).frame() for state in states)
-            writers.append(lambda path: write_gsd(path, frames, view, time_step))
+            return _thinned(moments, 1 / GSD_RATE)
 
-        engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
+        self._export_states(".gsd", collect, _write_states)
+
+    def _export_states(
+        self,
+        suffix: str,
+        collect: Callable[[Simulation], list[bytes]],
+        write: Callable[[Path, list[bytes]], object],
+    ) -> None:
+        """Collect states of the simulation where it is stepped; write them on a worker thread."""
+        states: list[bytes] = []
+        self._runner.engine.edit(
+            lambda simulation: states.extend(collect(simulation)),
+            changes=False,
+            then=lambda: self._export(suffix, lambda path: write(path, states)),
+        )
 
     def _export(self, suffix: str, write: Write) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
@@ -192,10 +206,37 @@ class Files:
             path = new_path(path, self._runner.engine.scene, suffix)
             write(path)
         except OSError as error:
-            return reason_of(error, path)
+            return _reason(error, path)
         except (ValueError, RuntimeError, MemoryError) as error:  # of pygame
             return f"{path}: {message_of(error)}"
         return done.format(path)
+
+
+def new_path(folder: Path, stem: str, suffix: str) -> Path:
+    """Return the path of a new file, named after a scene and the time.
+
+    The folder is made if it does not exist.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    stem = re.sub(r"[^\w-]+", "-", stem) + time.strftime("-%Y%m%d-%H%M%S")
+    return folder / (free_name(folder, stem, suffix) + suffix)
+
+
+def free_name(folder: Path, name: str, *suffixes: str) -> str:
+    """Return the first of name, name-2, name-3, … without a file with one of the suffixes."""
+    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+    return next(
+        new for new in names if not any((folder / (new + suffix)).exists() for suffix in suffixes)
+    )
+
+
+def _reason(error: OSError, path: Path) -> str:
+    """Return a message about a file that could not be read or written."""
+    return f"{path.name}: {error.strerror or error}"
+
+
+def _write_states(path: Path, states: list[bytes]) -> None:
+    write_states(path, map(jostle.World.restore, states))
 
 
 def _newest_first(folder: Path) -> list[Path]:
