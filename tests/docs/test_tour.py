@@ -36,9 +36,7 @@ def stop(name: str) -> Stop:
 
 @pytest.fixture
 def user():
-    window = Window(
-        start(Settings("billiards")), (1280, 720), renderer="software", synchronous=True
-    )
+    window = Window(start(Settings("billiards")), (1280, 720), synchronous=True)
     yield ScriptedUser(window)
     window.close()
 
@@ -160,7 +158,7 @@ def test_a_stop_reaches_its_state(name: str, monkeypatch) -> None:
     if name != "springs":  # whose bodies are picked up where they lie
         usual = settings.n or jostle.scenes.default_count(settings.scene)
         settings = replace(settings, n=min(usual, 200))
-    window = Window(start(settings), (1280, 720), renderer="software", synchronous=True)
+    window = Window(start(settings), (1280, 720), synchronous=True)
     with closing(window):
         stop(name).script(ScriptedUser(window))
         assert ENDS[name](window.session)
