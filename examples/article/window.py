@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from jostle_lab.storage.recording import pixels
 
 WHITE, INK = (255, 255, 255), (40, 40, 40)
 SIZE = WIDTH, HEIGHT
+MOUSE_PULL = 0.1  # of the distance to the cursor, per frame
 
 
 def options(name: str, n: int) -> argparse.Namespace:
@@ -59,9 +61,27 @@ def frames(
         print(f"{chosen.film}: {chosen.frames} frames")
 
 
+class Mouse:
+    """Drags a ball, which keeps its velocity when it is released."""
+
+    held: Particle | None = None
+
+    def press(self, balls: list[Particle], x: float, y: float) -> None:
+        """Hold the first ball of the list that is under the cursor, if there is one."""
+        under = (ball for ball in balls if math.hypot(x - ball.x, y - ball.y) <= ball.radius)
+        self.held = next(under, None)
+
+    def pull(self, x: float, y: float) -> None:
+        """Set the velocity of the ball towards the cursor, before each frame."""
+        if ball := self.held:
+            ball.angle = math.pi / 2 + math.atan2(y - ball.y, x - ball.x)
+            ball.speed = MOUSE_PULL * math.hypot(x - ball.x, y - ball.y)
+
+
 def window_frames(simulation: Simulation) -> Iterator[tuple[pygame.Surface, bool]]:
-    """Open the window, and pass the mouse to the simulation; T shows or hides the boxes."""
+    """Open the window, in which the mouse drags balls; T shows or hides the boxes."""
     screen, clock, boxes = pygame.display.set_mode(SIZE), pygame.time.Clock(), False
+    mouse, cursor = Mouse(), (0, 0)
     while True:
         for event in pygame.event.get():
             if event.type == pygame.QUIT:
@@ -69,11 +89,11 @@ def window_frames(simulation: Simulation) -> Iterator[tuple[pygame.Surface, bool
             if event.type == pygame.KEYDOWN and event.key == pygame.K_t:
                 boxes = not boxes
             elif event.type == pygame.MOUSEBUTTONDOWN:
-                simulation.grab(*event.pos)
-            elif event.type == pygame.MOUSEMOTION:
-                simulation.drag_to(*event.pos)
+                mouse.press(simulation.particles, *event.pos)
             elif event.type == pygame.MOUSEBUTTONUP:
-                simulation.release()
+                mouse.held = None
+            cursor = getattr(event, "pos", cursor)
+        mouse.pull(*cursor)
         screen.fill(WHITE)
         yield screen, boxes
         pygame.display.flip()

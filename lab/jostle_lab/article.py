@@ -4,106 +4,7 @@
 comparison with `jostle.World`; examples/article opens a window on each. Units are pixels and
 frames, and y grows downwards. An angle of 0 is up, and positive angles are clockwise.
 
-Each of its eleven faults, demonstrated:
-
->>> from math import pi
->>> right, left = pi / 2, 3 * pi / 2
->>> def settle(n, frames=1, seed=0):
-...     simulation = Simulation(n, "quadtree", seed)
-...     for _ in range(frames):
-...         simulation.frame()
-...     return simulation
-
-**1. Wrong physics.** With a restitution of 1, a ball hits a resting ball of the same mass: both
-stop, even if the hit is grazing. With swapped arguments the energy doubles. Balls that already move
-apart get an impulse:
-
->>> def speeds(x, y, angle, swap=False):
-...     pair = [Particle(x, y, 10, 1, speed=4, angle=angle), Particle(119, 100, 10, 1)]
-...     collide(*(reversed(pair) if swap else pair), elasticity=1)
-...     return [particle.speed for particle in pair]
->>> speeds(100, 100, right), speeds(119, 81, right)
-([0.0, 0.0], [0.0, 0.0])
->>> speeds(100, 100, right, swap=True), speeds(100, 100, left, swap=True)
-([4.0, 4.0], [4.0, 4.0])
-
-**2. Child rectangles are truncated** to whole pixels, and so are the rectangles of particles. 20 of
-500 pixel rows are in no leaf, and of 9,344 overlaps in ten scenes of 1,000 balls 27 are not tested:
-
->>> boxes = [(0, 0, 800, 500)]
->>> for _ in range(5):
-...     boxes = [child for box in boxes for child in quarters(box)]
->>> 500 - len({row for _, y, _, height in boxes for row in range(y, y + height)})
-20
->>> missed = found = 0
->>> for seed in range(10):
-...     pairs = set(overlaps(Simulation(1000, seed=seed).particles))
-...     missed, found = missed + len(pairs - settle(1000, seed=seed).tested), found + len(pairs)
->>> missed, found
-(27, 9344)
-
-**3. Pairs are tested more than once,** because a ball is in several leaves. Repeated tests in per
-cent, for 500, 1,000, 2,000 and 4,000 balls:
-
->>> [round(100 * tree.repeats / tree.tests) for tree in map(settle, (500, 1000, 2000, 4000))]
-[30, 33, 33, 33]
-
-**4. One subdivision too many:** `level <= MAX_LEVEL` allows a fifth one.
-
->>> MAX_LEVEL, max(level for *_, level in settle(500).leaves)
-(4, 5)
-
-**5. Balls outside the display are lost** when the first box splits:
-
->>> balls = [Particle(x, 250, 10, 1) for x in (900, 910, 100, 200, 300)]
->>> overlapped = (0, 1) in overlaps(balls)
->>> tree = Simulation.of(balls, "quadtree"); tree.frame()
->>> overlapped, (0, 1) in tree.tested
-(True, False)
-
-**6. Coincident balls cost six times as much as brute force** if they are in six leaves:
-
->>> tree = Simulation.of([Particle(400, 242, 10, 1) for _ in range(500)], "quadtree")
->>> tree.frame(); tree.tests / (500 * 499 / 2)
-6.0
-
-**7. Rectangles are one frame old.** One ball pushes a second one over the middle line, onto a third
-one. Brute force finds both overlaps, the tree one. And the result depends on the order of the list:
-
->>> def push(method, order=1):
-...     balls = [Particle(x, 250, 10, 1) for x in (372, 389, 410, 700)][::order]
-...     simulation = Simulation.of(balls, method); simulation.frame()
-...     return simulation.hits, [round(ball.x, 1) for ball in balls[::order]]
->>> push("brute")[0], push("quadtree")[0]
-(2, 1)
->>> push("brute")[1], push("brute", order=-1)[1]
-([370.0, 390.0, 411.0, 700.0], [370.0, 391.0, 410.0, 700.0])
-
-**8. Fast balls tunnel:** of 60 throws at 60 pixels per frame, each from one pixel further, 39 hit.
-
->>> def throw(gap):
-...     balls = [Particle(400 - gap, 250, 10, 20, 60, right), Particle(400, 250, 10, 20)]
-...     simulation = Simulation.of(balls)
-...     return any([simulation.frame() or simulation.hits for _ in range(3)])
->>> sum(throw(gap) for gap in range(31, 91))
-39
-
-**9. Piles never rest** and overlap deeply (after 100 frames, in pixels and hits per frame):
-
->>> pile = settle(1000, frames=100)
->>> max(overlaps(pile.particles).values()) > 8, pile.hits > 1000
-(True, True)
-
-**10. It has no queries:** no ranges, neighbours, rays, filters, events or ids.
-
->>> [name for name in vars(Simulation) if not name.startswith("_")]
-['of', 'frame', 'grab', 'drag_to', 'release']
-
-**11. It is slow.** Because of the limit of subdivisions the number of tests grows with the square
-of the number of balls. Brute force makes 124,750 tests for 500 balls:
-
->>> settle(500).tests, settle(1000).tests, settle(2000).tests, settle(4000).tests
-(1157, 4176, 17072, 68661)
+examples/article/README.md demonstrates each of its eleven faults.
 """
 
 from __future__ import annotations
@@ -123,7 +24,6 @@ FRAME_RATE = 30  # frames per second
 GRAVITY: Vector = (math.pi, 0.5)
 AIR_MASS = 0.2
 ELASTICITY = 0.75
-MOUSE_PULL = 0.1
 MAX_PER_BOX = 3
 MAX_LEVEL = 4  # the whole display is level 0
 SMALLEST_SIDE = 32  # of a display; a smaller one would be halved to no pixels
@@ -184,11 +84,6 @@ class Particle:
     def _reflect(self, x: float, y: float, angle: float) -> None:
         self.x, self.y, self.angle = x, y, angle
         self.speed *= ELASTICITY
-
-    def head_for(self, x: float, y: float) -> None:
-        """Set the velocity towards a point: a tenth of the distance per frame."""
-        self.angle = _direction(x - self.x, y - self.y)
-        self.speed = MOUSE_PULL * math.hypot(x - self.x, y - self.y)
 
     def update_rectangle(self) -> None:
         """Compute the rectangle that the tree uses from the position (fault 2: truncated)."""
@@ -275,8 +170,6 @@ class Simulation:
         self.method, self.width, self.height = method, width, height
         rng = random.Random(seed)
         self.particles = [random_particle(rng, width, height) for _ in range(n)]
-        self.held: Particle | None = None  # the particle that the mouse drags
-        self._cursor = (0.0, 0.0)
         self._clear_counters()
 
     @classmethod
@@ -293,29 +186,12 @@ class Simulation:
         return simulation
 
     def frame(self) -> None:
-        """Advance by one frame. The velocity of a held particle is first set towards the cursor."""
+        """Advance by one frame."""
         self._clear_counters()
-        if self.held is not None:
-            self.held.head_for(*self._cursor)
         if self.method == "brute":
             self._brute_frame()
         else:
             self._quadtree_frame()
-
-    def grab(self, x: float, y: float) -> Particle | None:
-        """Drag the first particle of the list that is under the cursor, if there is one."""
-        self.drag_to(x, y)
-        under = (p for p in self.particles if math.hypot(x - p.x, y - p.y) <= p.radius)
-        self.held = next(under, None)
-        return self.held
-
-    def drag_to(self, x: float, y: float) -> None:
-        """Move the cursor, which the held particle follows in each frame."""
-        self._cursor = x, y
-
-    def release(self) -> None:
-        """Release the held particle; it keeps its velocity."""
-        self.held = None
 
     def _clear_counters(self) -> None:
         """Forget the numbers of the last frame."""

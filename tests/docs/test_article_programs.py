@@ -66,20 +66,30 @@ def test_the_mouse_throws_a_ball_and_t_shows_the_boxes(monkeypatch: pytest.Monke
     frames = window.window_frames(simulation)
     pygame.event.clear()
     _, boxes = next(frames)
-    assert not boxes and simulation.held is None
+    assert not boxes
     pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONDOWN, pos=(105, 250), button=1))
     pygame.event.post(pygame.event.Event(pygame.MOUSEMOTION, pos=(300, 250)))
     pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_t))
     _, boxes = next(frames)
+    ball = simulation.particles[0]
+    assert boxes and ball.speed == pytest.approx(20)
     simulation.frame()
-    assert boxes and simulation.held is simulation.particles[0]
-    assert simulation.particles[0].x == pytest.approx(120)
+    assert (ball.x, ball.y) == pytest.approx((120, 250.5))  # gravity still acts
     pygame.event.post(pygame.event.Event(pygame.MOUSEBUTTONUP, pos=(300, 250), button=1))
     pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_t))
-    assert not next(frames)[1] and simulation.held is None
+    speed = ball.speed
+    assert not next(frames)[1] and ball.speed == speed
     pygame.event.post(pygame.event.Event(pygame.QUIT))
     assert next(frames, None) is None
     pygame.display.quit()
+
+
+def test_the_first_ball_under_the_cursor_is_held() -> None:
+    first, second = Particle(100, 250, 10, 1), Particle(110, 250, 10, 1)
+    mouse = window.Mouse()
+    for x, held in ((105, first), (115, second), (121, None)):
+        mouse.press([first, second], x, 250)
+        assert mouse.held is held
 
 
 def test_a_box_is_redder_at_each_level_and_a_dense_ball_darker() -> None:

@@ -4,6 +4,7 @@ import doctest
 import math
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -30,9 +31,11 @@ def state(simulation: Simulation) -> list[tuple[float, ...]]:
 
 
 def test_every_fault_has_a_demonstration() -> None:
-    faults = re.split(r"^\*\*(?=\d+\. )", article.__doc__ or "", flags=re.MULTILINE)[1:]
+    page = Path(__file__).parents[2] / "examples" / "article" / "README.md"
+    faults = re.split(r"^\*\*(?=\d+\. )", page.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
     assert [int(fault.split(".")[0]) for fault in faults] == list(range(1, 12))
     assert all(">>> " in fault for fault in faults)
+    assert doctest.testfile(str(page), module_relative=False).failed == 0
     assert doctest.testmod(article).failed == 0
 
 
@@ -217,27 +220,3 @@ def test_rectangles_are_cut_to_whole_pixels() -> None:
         (13, 22, 3, 2),
     ]
     assert ball(10.9, 9.4).rectangle == (0, 0, 20, 20)
-
-
-def test_the_first_particle_under_the_cursor_is_held() -> None:
-    first, second = ball(100), ball(110)
-    simulation = Simulation.of([first, second])
-    assert simulation.grab(105, 250) is first
-    assert simulation.grab(115, 250) is second
-    assert simulation.grab(121, 250) is None
-    assert simulation.held is None
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_held_particle_follows_the_cursor_until_it_is_thrown(method: str) -> None:
-    particle = ball(100, speed=9, angle=UP)
-    simulation = Simulation.of([particle], method)
-    simulation.grab(100, 250)
-    simulation.drag_to(300, 250)
-    simulation.frame()
-    assert (particle.x, particle.y) == pytest.approx((120, 250.5))  # gravity still acts
-    simulation.release()
-    speed = particle.speed
-    simulation.frame()
-    assert particle.x == pytest.approx(120 + 20 * particle.drag)
-    assert particle.speed == pytest.approx(speed, rel=0.05)
