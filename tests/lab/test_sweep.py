@@ -76,14 +76,10 @@ def test_measures_are_of_movable_particles_across_periods() -> None:
     places = [(50, 90), (52, 90), (54, 90), (1, 10), (99.5, 10), (30, 40), (60, 60)]
     moving = np.arange(7) > 2
     world = jostle.World(places, 1.0, movable=moving, period=(100, 100))
-    found = {}
-    for name in ("height", "hexatic", "cluster"):
-        measure = MEASURES[name][0]()
-        measure.see(world, 0, 1 / 60)
-        found[name] = measure.value()
-    alone = MEASURES["hexatic"][0]()
-    alone.see(jostle.World(world.positions[moving], 1.0, period=(100, 100)), 0, 1 / 60)
-    assert found == {"height": 30, "hexatic": pytest.approx(alone.value()), "cluster": 0.5}
+    found = {name: MEASURES[name][0](world, 1 / 60) for name in ("height", "hexatic", "cluster")}
+    few = jostle.World(world.positions[moving], 1.0, period=(100, 100))
+    alone = MEASURES["hexatic"][0](few, 1 / 60)
+    assert found == {"height": 30, "hexatic": pytest.approx(alone), "cluster": 0.5}
 
 
 def test_a_sweep_writes_one_row_for_each_run_and_continues_its_table(sweep, tmp_path: Path) -> None:

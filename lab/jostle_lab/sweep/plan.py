@@ -125,19 +125,13 @@ def plan(
         names.append(name)
         values.append(own)
     count = n if n is not None else jostle.scenes.default_count(scene)
-    runs = []
-    for combination in itertools.product(*values):
-        settings = dict(zip(names, combination, strict=True))
-        runs += [
-            Run(
-                scene,
-                int(settings.get("n", count)),
-                seed,
-                steps,
-                warm_up,
-                tuple(settings.items()),
-                tuple(measures),
-            )
-            for seed in range(seeds)
-        ]
-    return runs
+    combinations = [dict(zip(names, each, strict=True)) for each in itertools.product(*values)]
+    return [
+        Run(
+            *(scene, int(settings.get("n", count)), seed, steps, warm_up),
+            settings=tuple(settings.items()),
+            measures=tuple(measures),
+        )
+        for settings in combinations
+        for seed in range(seeds)
+    ]
