@@ -18,7 +18,7 @@ from jostle_lab import interrupt
 from jostle_lab.draw import text
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
+from jostle_lab.draw.palette import ACCENT, PANEL_EDGE, TEXT_SOFT
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import TreeView, ViewOptions
@@ -37,26 +37,10 @@ WIDTH = 248
 EDGE = 12  # pixels between the panel and the edge of the screen
 SPACE = WIDTH + 2 * EDGE  # margin of the scene
 PAD = 14
-RULE = 11  # pixels, the height of a line between two parts
+RULE = 11  # the height of a line between two parts
 BAR = 44  # length of the longest bar of a stage
 SMOOTH = 0.1  # weight of a new measurement
 EVERY = 0.2  # seconds between updates
-
-
-@dataclass(frozen=True)
-class Row:
-    """A line of the panel: a name at the left, a value at the right, and a bar before it."""
-
-    name: str
-    value: str = ""
-    size: int = text.BODY
-    colour: Colour = TEXT_SOFT
-    value_colour: Colour = TEXT
-    bar: float | None = None  # its length, from 0 to 1
-
-    @property
-    def height(self) -> int:
-        return text.font(self.size).get_linesize() + 3
 
 
 class Readout:
@@ -73,54 +57,47 @@ class Readout:
             shown = self._times.get(stage, value)
             self._times[stage] = shown + SMOOTH * (value - shown)
 
-    def draw(self, painter: Painter, engine: Engine, rate: float | None, now: float) -> None:
+    def draw(self, painter: Painter, engine: Engine, rate: float, now: float) -> None:
         """Draw the panel; `rate` is the number of steps per second."""
         if self._sheet is None or now >= self._due:
-            self._sheet = sheet_of(self._rows(engine, rate))
-            self._due = now + EVERY
+            self._sheet, self._due = self._draw(engine, rate), now + EVERY
         painter.sheet(self._sheet, (EDGE, EDGE))
 
-    def _rows(self, engine: Engine, rate: float | None) -> list[Row | None]:
-        """Return the lines; None is a rule between two parts."""
+    def _draw(self, engine: Engine, rate: float) -> pygame.Surface:
         facts, n = engine.frame.stats, len(engine.frame)
-        every_pair = text.pairs_of(n)
-        longest = max(self._times.values(), default=0.0) or 1.0
+        every_pair, longest = text.pairs_of(n), max(self._times.values(), default=0.0) or 1.0
         # Drawing is last, in the order of work.
         stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
-        return [
-            Row(engine.scene, size=text.TITLE, colour=TEXT),
-            Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
-            None,
-            Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
-            None,
-            Row("stage", "ms per step", text.SMALL, value_colour=TEXT_SOFT),
-            *(Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
-            None,
-            Row("pairs tested", f"{facts.pairs_tested:,}"),
-            Row("of n(n−1)/2", f"{every_pair:,}"),
-            Row("tested, % of all pairs", text.share(facts.pairs_tested, every_pair)),
-            Row("touching", f"{facts.touching:,}"),
-            Row("asleep", f"{facts.asleep:,}"),
-            Row("kinetic energy", text.scientific(facts.kinetic_energy)),
+        parts = [
+            [(engine.scene, METHODS[engine.settings.method]), ("particles", f"{n:,}")],
+            [("steps/s", f"{rate:,.0f}" if rate else "–")],
+            [("stage", "ms per step"), *((name, f"{ms:.2f}") for name, ms in stages)],
+            [
+                ("pairs tested", f"{facts.pairs_tested:,}"),
+                ("of n(n−1)/2", f"{every_pair:,}"),
+                ("tested, % of all pairs", text.share(facts.pairs_tested, every_pair)),
+                ("touching", f"{facts.touching:,}"),
+                ("asleep", f"{facts.asleep:,}"),
+                ("kinetic energy", text.scientific(facts.kinetic_energy)),
+            ],
         ]
-
-
-def sheet_of(rows: list[Row | None]) -> pygame.Surface:
-    """Return the lines on a panel, from top to bottom."""
-    sheet = text.panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
-    y, right = PAD, WIDTH - PAD
-    for row in rows:
-        if row is None:
-            pygame.draw.line(sheet, PANEL_EDGE, (PAD, y + 4), (right, y + 4))
-            y += RULE
-            continue
-        text.write(sheet, (PAD, y), row.name, row.colour, row.size)
-        text.write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
-        if row.bar is not None:
-            bar = right - 62 - BAR, y + row.height // 2 - 3, max(round(BAR * row.bar), 1), 4
-            pygame.draw.rect(sheet, ACCENT, bar)
-        y += row.height
-    return sheet
+        line = text.font(text.BODY).get_linesize() + 3
+        height = sum(len(part) * line + RULE for part in parts) - RULE
+        sheet, y, right = text.panel((WIDTH, 2 * PAD + height)), PAD, WIDTH - PAD
+        for part in parts:
+            if y > PAD:
+                pygame.draw.line(sheet, PANEL_EDGE, (PAD, y + 4), (right, y + 4))
+                y += RULE
+            for name, value in part:
+                text.write(sheet, (PAD, y), name, TEXT_SOFT)
+                text.write(sheet, (right, y), value, flush_right=True)
+                if name in self._times:
+                    length = max(round(BAR * self._times[name] / longest), 1)
+                    pygame.draw.rect(
+                        sheet, ACCENT, (right - 62 - BAR, y + line // 2 - 3, length, 4)
+                    )
+                y += line
+        return sheet
 
 
 @dataclass(frozen=True)
@@ -132,13 +109,6 @@ class Film:
     steps: int
     frames: int
     step_seconds: float  # spent in the simulation alone
-
-
-def progress_bar(console: Console) -> Progress:
-    """Return a bar that counts steps."""
-    count = TextColumn("{task.completed:,}/{task.total:,} steps")
-    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
-    return Progress(*columns, console=console)
 
 
 def default_steps(simulation: Simulation) -> int:
@@ -178,11 +148,13 @@ def make_film(
             engine.refresh()
         start = time.perf_counter()
         picture.draw(painter, engine.frame, camera, options)
-        rate = step / spent if spent else None
-        readout.draw(painter, engine, rate, now)
+        readout.draw(painter, engine, step / spent if spent else 0.0, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    with record.Film(video, size, FRAME_RATE) as recorder, progress_bar(console) as progress:
+    count = TextColumn("{task.completed:,}/{task.total:,} steps")
+    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+    progress = Progress(*columns, console=console)
+    with record.Film(video, size, FRAME_RATE) as recorder, progress:
         task = progress.add_task(f"recording {name}", total=steps)
         for step in range(steps + 1):
             interrupt.check()
