@@ -15,7 +15,7 @@ import time
 os.environ.setdefault("SDL_VIDEODRIVER", "offscreen")
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
-from jostle_lab.simulate.settings import Settings
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 

@@ -23,7 +23,7 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.gui.style import COLUMN, STATISTICS
-from jostle_lab.simulate.settings import Settings
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.tune import picture
 from jostle_lab.tune.measure import measure

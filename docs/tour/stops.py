@@ -10,8 +10,8 @@ import pygame
 
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.input import ZOOM_STEP
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.frame import Frame, Point
-from jostle_lab.simulate.settings import Settings
 from tour.scripted_user import LEFT, RIGHT, ScriptedUser
 
 SHIFT = pygame.KMOD_SHIFT

@@ -3,7 +3,7 @@
 The packages and modules form layers. Each uses only those above it:
 
 ======================= ========================================================================
-simulate                settings, simulations, the engine that steps them, history
+simulate                simulations, the engine that steps them, history
 draw                    painters, and the layers of a frame
 measure                 times, pairs, energy and momentum over time
 act                     user actions: mouse, tools, commands on particles
@@ -20,8 +20,9 @@ tune                    a map of the times of the search over leaf capacity and 
 cli                     the command `jostle`
 ======================= ========================================================================
 
-Below all of them are `interrupt` (Ctrl-C), `launcher` (the number of ranks) and `article` (the
-programs of 2015). `pyproject.toml` of the repository has these rules, and `make lint` checks them.
+Below all of them are `schema` (the settings), `interrupt` (Ctrl-C), `launcher` (the number of ranks)
+and `article` (the programs of 2015). `pyproject.toml` of the repository has these rules, and `make
+lint` checks them.
 
 Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user
 changes it through `Engine.edit`. The library never imports this package.

@@ -23,8 +23,8 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.race import article_of
+from jostle_lab.schema import METHODS
 from jostle_lab.simulate.engine import Engine
-from jostle_lab.simulate.settings import METHODS
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.storage.files import free_name
 from jostle_lab.storage.recording import pixels

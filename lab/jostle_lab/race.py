@@ -19,9 +19,9 @@ from jostle_lab.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.text import BODY, SMALL, font, panel, scientific, write
 from jostle_lab.draw.view_options import ViewOptions
+from jostle_lab.schema import METHODS, MOST_BRUTE, Settings
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Frame, FrameRequest, Rect, StepStats
-from jostle_lab.simulate.settings import METHODS, MOST_BRUTE, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 
@@ -126,7 +126,7 @@ class ArticleProgram(Simulation):
 def rival(settings: Settings, method: str) -> Simulation:
     """Return the scene of the settings with one of the `RIVALS`."""
     if method in METHODS:
-        return start(replace(settings, method=method))
+        return start(replace(settings, method="brute" if method == "brute" else "quadtree"))
     return ArticleProgram(settings, method.removeprefix("article-"))
 
 

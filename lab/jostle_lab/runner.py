@@ -13,13 +13,12 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.measure import Statistics
 from jostle_lab.race import Race, refusal
+from jostle_lab.schema import METHODS, Settings, unknown_scene, wrong
 from jostle_lab.simulate.engine import Create, Engine, LoadedScene, SceneLoader, Then, expected
 from jostle_lab.simulate.frame import FrameRequest
 from jostle_lab.simulate.history import History
-from jostle_lab.simulate.settings import METHODS, RULES, Settings
 from jostle_lab.simulate.simulation import ADJUSTABLE, Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.validation import check
 
 # Settings whose change does work on the particles, or shifts the zero of their energy.
 CHANGES_ENERGY = {"n", "gravity", "world_size", "container"}
@@ -39,6 +38,7 @@ class Runner:
         self.race: Race | None = None  # the comparison with another method
         self.paused = False
         self.history = engine.history = History(engine.simulation)
+        self._own = self.history.moments[0].state or b""  # the initial state of a user's world
         engine.act = interaction.before_step
 
     # Scenes
@@ -70,7 +70,10 @@ class Runner:
 
     def restart(self) -> None:
         """Return to the initial state, with the present settings."""
-        self.begin(self._next_settings)
+        if unknown_scene(self._next_settings.scene) is None:
+            self.begin(self._next_settings)
+        else:  # a world of the user
+            self.replace(partial(Simulation.resume, self._own), "Restarting …")
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own settings; method, threads and speed are kept."""
@@ -108,6 +111,7 @@ class Runner:
     def _continue_with(self, new: LoadedScene, then: Then | None) -> None:
         moved = new.simulation.view != self.engine.view
         self.end_race()
+        self._own = new.history.moments[0].state or b""
         self._interaction.reset()
         self.engine.request = self._first_request
         self.engine.take(new.simulation, new.frame)
@@ -124,8 +128,8 @@ class Runner:
 
     def adjust(self, name: str, value: Any) -> None:
         """Change a setting: while the scene runs if possible, else by beginning it again."""
-        if wrong := check(name, value, RULES[name]):
-            self._messages.say(wrong)
+        if why := wrong(name, value):
+            self._messages.say(why)
             return
         live = name in ADJUSTABLE and (name == "time_scale" or not self.race)
         if live and name == "n":

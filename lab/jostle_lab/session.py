@@ -13,9 +13,9 @@ from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.measure import Traces
 from jostle_lab.runner import Runner
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Frame
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.storage.files import Files
 
@@ -74,7 +74,7 @@ class Session:
         """Choose the next value of one of the view options."""
         value = getattr(self.view_options, name).next()
         setattr(self.view_options, name, value)
-        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.value}")
+        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.label}")
 
     def toggle(self, name: str) -> None:
         """Toggle one of the view options."""

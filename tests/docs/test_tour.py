@@ -13,8 +13,8 @@ from tour.stops import STOPS, Stop, fold, nearest
 from tour.tour import RATE, no_display, visit
 
 import jostle
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 

@@ -10,8 +10,8 @@ import pytest
 from lab_command import Command
 
 from jostle_lab.draw.screen import NoOpenGLError
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 

@@ -8,8 +8,8 @@ import numpy as np
 import pygame
 
 import jostle
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.window import Window
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jostle_lab.simulate.settings import Group, Settings
+from jostle_lab.schema import Group, Settings
 
 SCENES = [
     Settings("gas", 300, gravity=(1.0, 2.0), restitution=0.9),

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import jostle
+from jostle_lab.schema import Group, Polyline, Settings
 from jostle_lab.simulate.containers import InitialRegion, bounds, moved_inside
 from jostle_lab.simulate.region import Torus, container_of, set_container
-from jostle_lab.simulate.settings import Group, Polyline, Settings
 from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
 from jostle_lab.simulate.start import start
 
@@ -222,7 +222,7 @@ def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:
     again.remove_walls([0])
     again.add_wall(Polyline(((0.0, 2.0), (9.0, 2.0))))
     assert again.world.walls.friction.tolist() == [0.75] * 3
-    assert "friction[0] is -1" in str(simulation.adjust("wall_friction", -1.0))
+    assert "wall_friction is -1.0" in str(simulation.adjust("wall_friction", -1.0))
     assert simulation.settings.wall_friction == 0.75
 
 

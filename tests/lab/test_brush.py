@@ -10,8 +10,8 @@ from jostle_lab.act.interaction import Tool
 from jostle_lab.act.view import draw_preview
 from jostle_lab.draw.palette import KINDS
 from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.containers import free_among
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 LINE = (200.0, 250.0), (600.0, 250.0)

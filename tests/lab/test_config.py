@@ -1,4 +1,4 @@
-"""Scenes in TOML: what is right arrives, what is wrong is refused by name and line."""
+"""Scenes in TOML: what is right arrives, what is wrong is refused by its key."""
 
 import sys
 from dataclasses import fields, replace
@@ -7,25 +7,27 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.schema import Group, Polyline, Settings
 from jostle_lab.simulate.forces import clear_of
 from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.region import Torus
-from jostle_lab.simulate.settings import RULES, Group, Polyline, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.validation import fields_of
-from jostle_lab.storage.config import WINDOW_RULES, Config, ConfigError, line_of, read_config
+from jostle_lab.storage.config import Config, ConfigError, Window, config_text, read_config
 from jostle_lab.storage.scene_file import read_scene, scene_bytes
 
 if sys.version_info >= (3, 11):
-    import tomllib
+    pass
 else:
-    import tomli as tomllib
+    pass
 
+REALS, SHARES = st.floats(-1e18, 1e18), st.floats(0, 1)
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
 
 
@@ -68,9 +70,8 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
-    shown = (field.name for field in fields(ViewOptions))
-    rules = {**RULES, **fields_of(Group).rules, **fields_of(Polyline).rules, **WINDOW_RULES}
-    for name in (*rules, *shown):
+    kinds = Settings, Group, Polyline, Window, ViewOptions
+    for name in {field.name for kind in kinds for field in fields(kind)}:
         spelled = f"[[{name}]]" if name in ("particles", "walls") else name
         assert f"`{spelled}`" in page, name
 
@@ -118,100 +119,109 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
     [
         (
             "# a comment\n\ngravitas = [0, 1]",
-            "scene.toml, line 3: gravitas is not a setting; did you mean gravity?",
+            "scene.toml: gravitas is not a setting; did you mean gravity?",
         ),
         (
             'scene = "gas"\nrestitution = "high"',
-            "scene.toml, line 2: restitution is 'high'; it must be a number from 0 to 1",
+            "scene.toml: restitution is 'high'; it must be a number",
         ),
-        ("n = true", "scene.toml, line 1: n is true; it must be a whole number from 0 to"),
-        ("n = 1.5", "line 1: n is 1.5; it must be a whole number"),
-        ("n = -1", "line 1: n is -1; it must be a whole number"),
-        ("drag = nan", "line 1: drag is nan; it must be a number from 0 to 1e+18"),
+        ("n = true", "scene.toml: n is true; it must be a whole number"),
+        ("n = 1.5", "n is 1.5; it must be a whole number"),
+        ("n = -1", "n is -1; it must be greater than or equal to 0"),
+        ("drag = nan", "drag is nan; it must be less than or equal to 1e18"),
         (
             "gravity = [\n  0,\n  1,\n  2,\n]",
-            "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number",
+            "gravity is [0, 1, 2]; it may have at most 2 entries",
         ),
         (
             "n = 1\n\n[window]\nsize = [\n 0, 10]",
-            "line 4: window.size is [0, 10]; it must be [width, height], each a whole",
+            "window.size[0] is 0; it must be greater than or equal to 64",
         ),
-        ("window = 3", "line 1: window is 3; it must be a table, [window]"),
-        ("window.size = 3", "line 1: window.size is 3; it must be [width, height]"),
-        ("[shown]\ntrees = true", "shown.trees is not an entry of [shown]; did you mean tree?"),
-        ("[shown]\ntree = true", "line 2: shown.tree is true; it must be one of off, outline,"),
-        ('[shown]\nlabels = "yes"', "line 2: shown.labels is 'yes'; it must be true or false"),
-        ("walls = 3", "line 1: walls is 3; it must be written as [[walls]]"),
-        ("[[walls]]\nclosed = true", "line 1: walls[0].points is missing"),
+        ("window = 3", "window is 3; it must be a table"),
+        ("window.size = 3", "window.size is 3; it must be a list"),
+        ("[shown]\ntrees = true", "shown.trees is not a setting; did you mean tree?"),
+        ("[shown]\ntree = true", "shown.tree is true; it must be 'off', 'outline',"),
+        ('[shown]\nlabels = "yes"', "shown.labels is 'yes'; it must be true or false"),
+        ("walls = 3", "walls is 3; it must be a list"),
+        ("[[walls]]\nclosed = true", "walls[0].points is missing"),
         (
             "[[walls]]\npoints = [[0, 0], [1]]",
-            "line 2: walls[0].points[1] is [1]; it must be [x, y], each a number",
+            "walls[0].points[1][1] is missing",
         ),
         (
             WALL + "[[walls]]\npoints = [[0, 0], [1, 2], [1, 2]]",
-            "line 4: walls[1].points[2] is [1, 2], like points[1]; a wall needs length",
+            "walls[1].points[2] is [1, 2], like points[1]; a wall needs length",
         ),
         (
             "[[walls]]\npoints = [[0, 0], [1, 2], [3, 0], [0, 0]]\nclosed = true",
-            "line 2: walls[0].points[0] is [0, 0], like points[3]; a wall needs length",
+            "walls[0].points[0] is [0, 0], like points[3]; a wall needs length",
         ),
         (
             WALL + "closed = true",
-            "line 2: walls[0].points has 2 entries; a closed polyline needs at least 3",
+            "walls[0].points has 2 entries; a closed polyline needs at least 3",
         ),
         (
             WALL + "restitution = 2",
-            "line 3: walls[0].restitution is 2; it must be a number from 0 to 1",
+            "walls[0].restitution is 2; it must be less than or equal to 1",
         ),
-        (WALL + "friction = -1", "line 3: walls[0].friction is -1; it must be a number from 0"),
-        (WALL + "velocity = 3", "line 3: walls[0].velocity is 3; it must be [x, y], each a number"),
-        (WALL + "cycle = 0", "line 3: walls[0].cycle is 0; it must be a number from 0.001"),
+        (WALL + "friction = -1", "walls[0].friction is -1; it must be greater than or equal to 0"),
+        (WALL + "velocity = 3", "walls[0].velocity is 3; it must be a list"),
+        (WALL + "cycle = 0", "walls[0].cycle is 0; it must be greater than or equal to 0.001"),
         (
             "container_restitution = [1, 1, 2, 1]",
-            "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or",
+            "container_restitution[2] is 2; it must be less than or equal to 1",
         ),
         (
             "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
-            "line 2: walls[0].bounce is not a property of walls",
+            "walls[0].bounce is not a setting; there are points, closed,",
         ),
-        ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),
+        ("particles = 3", "particles is 3; it must be a list"),
         (
             "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
-            "line 5: particles[1].colour is not a property of particles; did you mean count?",
+            "particles[1].colour is not a setting; did you mean count?",
         ),
         (
             "[[particles]]\n[[particles]]\ncount = 2\nmasks = [1, -1]",
-            "line 4: particles[1].masks[1] is -1; it must be a whole number from 0 to 4,294,967,",
+            "particles[1].masks[1] is -1; it must be greater than or equal to 0",
         ),
         (
             "[[particles]]\ncount = 3\ncategories = [1, 2]",
-            "line 3: particles[0].categories has 2 entries; the group has 3 particles",
+            "particles[0].categories has 2 entries; the group has 3 particles",
         ),
         (
             "[[particles]]\ncategories = 1.0",
-            "particles[0].categories is 1.0; it must be a whole number from 0 to 4,294,967,295, or",
+            "particles[0].categories is 1.0; it must be a whole number",
         ),
-        ("[[particles]]\nmasks = 4294967296", "particles[0].masks is 4294967296; it must be a"),
-        ("[[particles]]\nradius = [3, 1]", "particles[0].radius is [3, 1]; it must be a number"),
+        (
+            "[[particles]]\nmasks = 4294967296",
+            "particles[0].masks is 4294967296; it must be less than or equal to 4294967295",
+        ),
+        (
+            "[[particles]]\nradius = [3, 1]",
+            "particles[0].radius is [3, 1]; it must be [smallest, largest]",
+        ),
         ("[[particles]]\nregion = [0, 0, -1, 1]", "particles[0].region is [0, 0, -1, 1]; it must"),
-        ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be [x, y]"),
-        ('scene = "life"\nmatrix = "chess"', "line 2: matrix is 'chess'; it must be one of dra"),
-        ("matrix = [[1, 2], [0, 0]]", "line 1: matrix is [[1, 2], [0, 0]]; it must be one of"),
-        ("matrix = [[1, 0]]", "line 1: matrix is [[1, 0]]"),
-        ("matrix = []", "line 1: matrix is []"),
+        ("gravity = [nan, 0]", "gravity[0] is nan; it must be less"),
+        (
+            'scene = "life"\nmatrix = "chess"',
+            "matrix is 'chess', which is not a matrix; did you mean",
+        ),
+        ("matrix = [[1, 2], [0, 0]]", "matrix[0][1] is 2; it must be less than or equal to 1"),
+        ("matrix = [[1, 0]]", "matrix is [[1, 0]]"),
+        ("matrix = []", "matrix is []"),
         (
             'method = "article-quadtree"',
-            "line 1: method is 'article-quadtree'; it must be one of quadtree, brute",
+            "method is 'article-quadtree'; it must be 'quadtree' or 'brute'",
         ),
-        ('scene = "gases"', "line 1: gases is not a scene; did you mean gas?"),
-        ('scene = "pile\nn = 2', "scene.toml, line 1: a quotation mark is missing at the end"),
-        ("n = 1\nn = 2", "scene.toml, line 2: the entry is given twice"),
-        ("n =\nseed = 1", "scene.toml, line 1: invalid value"),
-        ("n = 1\ngravity = [1,\n", "scene.toml, line 2: "),
-        ("\n['a (at b']\n['a (at b']", "scene.toml, line 3: cannot declare ('a (at b',) twice"),
+        ('scene = "gases"', "gases is not a scene; did you mean gas?"),
+        ('scene = "pile\nn = 2', "scene.toml: Illegal character '\\n' (at line 1,"),
+        ("n = 1\nn = 2", "scene.toml: Cannot overwrite a value (at "),
+        ("n =\nseed = 1", "scene.toml: Invalid value (at line 1,"),
+        ("n = 1\ngravity = [1,\n", "scene.toml: "),
+        ("\n['a (at b']\n['a (at b']", "scene.toml: Cannot declare ('a (at b',) twice (at line 3,"),
     ],
 )
-def test_what_is_wrong_is_refused_by_name_and_line(tmp_path, text: str, sentence: str) -> None:
+def test_what_is_wrong_is_refused_by_its_key(tmp_path, text: str, sentence: str) -> None:
     assert sentence in refusal(tmp_path, text)
 
 
@@ -469,7 +479,7 @@ def test_a_file_is_text_in_utf_8_with_or_without_the_mark_that_some_editors_put_
     tmp_path: Path,
 ) -> None:
     (tmp_path / "film.mp4").write_bytes(b"\x00\xff\xfe")
-    with pytest.raises(ConfigError, match=r"film\.mp4 is not a text in UTF-8"):
+    with pytest.raises(ConfigError, match=r"film\.mp4: it is not a text in UTF-8"):
         read_config(tmp_path / "film.mp4")
     with pytest.raises(FileNotFoundError):
         read_config(tmp_path / "missing.toml")
@@ -478,56 +488,20 @@ def test_a_file_is_text_in_utf_8_with_or_without_the_mark_that_some_editors_put_
     assert read_config(path).settings.n == 5
 
 
-LINES = '''a = """
-b = 1
-[c]
-"""
-b = [ # not = the "end"
-  [1, 2],
-]
-[c.d] # = [x]
-"e f".g = {i = 2, "j.=" = "}"}
-h = \'\'\'
-[k]\'\'\'\'\'
-[[k]]
-[[ "k" ]]
-l = [{m = 1}, # [
-  {m = 2}]
-[k.n]
-o = 1
-[[k.p]]
-q = 1'''
-
-
-@pytest.mark.parametrize(
-    ("key", "line"),
-    [
-        (("a",), 1), (("b",), 5), (("c",), 8), (("c", "d"), 8), (("c", "d", "e f", "g"), 9),
-        (("c", "d", "e f", "g", "j.="), 9), (("c", "d", "h"), 10), (("k", 0), 12), (("k", 1), 13),
-        (("k", 1, "l"), 14), (("k", 1, "l", 1, "m"), 14), (("k", 1, "n"), 16),
-        (("k", 1, "n", "o"), 17), (("k", 1, "p", 0, "q"), 19),
-    ],
-)  # fmt: skip
-def test_a_line_is_that_of_the_statement(key, line: int) -> None:
-    tomllib.loads(LINES)
-    assert line_of(LINES, key) == line
-    assert line_of(LINES.replace("\n", "\n# [x] = {\n"), key) >= line
-
-
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("seed = 1\nn = 1" + "0" * 400, "line 2: n is 1000000000000"),
-        ("n = 0x1" + "0" * 900, "line 1: n is 51048665"),
-        ("n = 1" + "0" * 5_000, "a number has too many digits"),
-        ("gravity = [1, 1" + "0" * 400 + "]", "line 1: gravity is [1, 10000"),
+        ("seed = 1\nn = 1" + "0" * 400, "n is 1000000000000"),
+        ("n = 0x1" + "0" * 900, "n is 51048665"),
+        ("n = 1" + "0" * 5_000, "digits"),
+        ("gravity = [1, 1" + "0" * 400 + "]", "gravity[1] is 10000"),
         ("# [[[\nn = " + "[" * 3_000, "too many brackets are open"),
         ("n = " + "{a=" * 3_000, "too many brackets are open"),
         ('"' + "x" * 10_000 + '" = 1', "is not a setting; there are scene, n,"),
-        ('"line\\nbreak" = 1', r"line 1: 'line\nbreak' is not a setting"),
-        ("[[particles]]\n" * 1_001, "line 1: particles has 1,001 entries; there may be at most"),
-        ("drag = 1e400", "line 1: drag is inf; it must be a number"),
-        ('a = """\n\\', "scene.toml, line 2: "),
+        ('"line\\nbreak" = 1', r"'line\nbreak' is not a setting"),
+        ("[[particles]]\n" * 1_001, "it may have at most 1,000 entries"),
+        ("drag = 1e400", "drag is inf; it must be less"),
+        ('a = """\n\\', "scene.toml: "),
     ],
     ids=map(str, range(12)),
 )
@@ -539,29 +513,6 @@ def test_a_file_beyond_the_limits_is_refused_in_one_sentence(
     assert said.startswith("scene.toml") and len(said) < 400 and "\n" not in said
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "n = [\n" + "1,\n" * 20_000 + "]",
-        "[[particles]]\n" * 5_000 + "colour = 1",
-        "k = 1\n[a]\n" + "".join(f"k{i} = 1\n" for i in range(5_000)),
-    ],
-    ids=["one list", "many groups", "many keys"],
-)
-def test_no_part_of_a_file_is_read_repeatedly(tmp_path: Path, monkeypatch, text: str) -> None:
-    """The reader gets the file once; a line is found by bisection, not by reading each line."""
-    loads, read = tomllib.loads, 0
-
-    def counted(text: str, **options: object) -> object:
-        nonlocal read
-        read += len(text)
-        return loads(text, **options)
-
-    monkeypatch.setattr(tomllib, "loads", counted)
-    assert "scene.toml, line " in refusal(tmp_path, text)
-    assert read <= (2 + len(text).bit_length()) * len(text)
-
-
 def test_a_group_of_sensors_reports_and_does_not_push(tmp_path) -> None:
     text = 'scene = "gas"\nn = 300\n[[particles]]\nsensor = true\nmovable = false\nradius = 60\n'
     simulation = start(read(tmp_path, text).settings)
@@ -570,3 +521,49 @@ def test_a_group_of_sensors_reports_and_does_not_push(tmp_path) -> None:
     frame = simulation.frame()
     assert frame.sensors is not None
     assert frame.sensors.tolist() == [0] * 300 + [2]  # gas flows through it
+
+
+SETTINGS = st.builds(
+    Settings,
+    scene=st.sampled_from(jostle.scenes.names()),
+    n=st.none() | st.integers(0, 10**8),
+    seed=st.integers(0, 2**63 - 1),
+    container=st.none() | st.sampled_from(["box", "circle", "torus", "none"]),
+    gravity=st.none() | st.tuples(REALS, REALS),
+    drag=st.none() | st.floats(0, 1e18),
+    sleeping=st.none() | st.booleans(),
+    container_restitution=st.none() | SHARES | st.tuples(SHARES, SHARES, SHARES, SHARES),
+    matrix=st.none()
+    | st.sampled_from([*jostle.life.MATRICES])
+    | st.just(((0.5, -1.0), (1.0, 0.0))),
+    particles=st.lists(
+        st.builds(
+            Group,
+            count=st.just(2),
+            velocity=st.tuples(REALS, REALS),
+            categories=st.integers(0, 2**32 - 1) | st.tuples(*[st.integers(0, 2**32 - 1)] * 2),
+        ),
+        max_size=2,
+    ).map(tuple),
+    walls=st.lists(
+        st.builds(Polyline, points=st.just(((0.0, 1.0), (2.5, 3.0))), friction=st.none() | SHARES),
+        max_size=2,
+    ).map(tuple),
+)
+OPTIONS = st.builds(
+    ViewOptions,
+    tree=st.sampled_from(TreeView),
+    colour_by=st.sampled_from(ColourBy),
+    trails=st.booleans(),
+    panels=st.booleans(),
+)
+
+
+@given(settings=SETTINGS, options=OPTIONS)
+def test_what_is_written_is_read_again(tmp_path_factory, settings, options) -> None:
+    text = config_text(settings, options)
+    config = read(tmp_path_factory.mktemp("written"), text)
+    assert config.settings == settings
+    shown = ViewOptions()
+    shown.update(config.view_options)
+    assert shown == options

@@ -22,8 +22,8 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.screen import NoOpenGLError, Screen
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.frame import FrameContacts, FrameRequest
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 

@@ -11,10 +11,10 @@ from jostle_lab.act.explanation import Explanation, explain
 from jostle_lab.act.view import draw_explanation
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.region import Container, Torus, set_container
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 

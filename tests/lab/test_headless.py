@@ -12,7 +12,7 @@ from outputs import frames_of
 from jostle_lab import headless
 from jostle_lab.draw.palette import GROUND
 from jostle_lab.headless import default_steps, make_film
-from jostle_lab.simulate.settings import Settings
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.start import start
 
 SIZE = (640, 360)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from lab_scenes import in_many_scenes
 
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
 from jostle_lab.simulate.history import History
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 

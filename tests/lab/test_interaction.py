@@ -10,9 +10,9 @@ from lab_interaction import FRAME, VIEW, Driver, tags, world_of
 
 import jostle
 from jostle_lab.act.commands import scatter, usual
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.region import Torus
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 

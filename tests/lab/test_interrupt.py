@@ -96,7 +96,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     pytest.importorskip("imgui_bundle")
     from jostle_lab import window as windows
     from jostle_lab.panels import widgets
-    from jostle_lab.simulate.settings import Settings
+    from jostle_lab.schema import Settings
     from jostle_lab.simulate.start import start
     from jostle_lab.window import Window
 

@@ -10,7 +10,7 @@ from lab_interaction import Driver, world_of
 
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.keymap import COMMANDS, GROUPS, HANDLERS, HELD, KEYMAP, PANNING, key_of
-from jostle_lab.simulate.settings import Settings
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 

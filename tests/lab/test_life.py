@@ -12,9 +12,8 @@ from jostle_lab.act.interaction import Tool
 from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.palette import FIRST_KIND, FIXED_SHADE, KINDS
 from jostle_lab.draw.view_options import ColourBy
-from jostle_lab.simulate.settings import SETTINGS, Settings
+from jostle_lab.schema import Settings, read
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.validation import read
 from jostle_lab.storage.config import read_config
 
 TWO = ((0.5, -1.0), (1.0, 0.0))
@@ -96,7 +95,7 @@ def test_a_matrix_may_have_fewer_kinds_and_come_from_a_file(tmp_path: Path) -> N
     settings = read_config(path).settings
     assert settings.matrix == TWO
     np.testing.assert_allclose(start(settings).frame().matrix, TWO)
-    assert read({"scene": "life", "matrix": "wheels"}, SETTINGS).matrix == "wheels"
+    assert read(Settings, {"scene": "life", "matrix": "wheels"}).matrix == "wheels"
 
 
 def test_colours_are_those_of_the_kinds() -> None:

@@ -10,8 +10,8 @@ from lab_interaction import gate_steps
 import jostle
 from jostle_lab import race as racing
 from jostle_lab.draw.view_options import TreeView
+from jostle_lab.schema import Group, Settings
 from jostle_lab.simulate.frame import FrameRequest
-from jostle_lab.simulate.settings import Group, Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 

@@ -13,8 +13,8 @@ from jostle.record import Film
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import RECORDING
 from jostle_lab.draw.view_options import ViewOptions
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.storage import files, recording
 from jostle_lab.storage.recording import MOST_QUEUED, Recording

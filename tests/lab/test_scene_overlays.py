@@ -9,9 +9,9 @@ from lab_overlays import Notes, camera_of_pixels, frame_of
 import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.scene_overlays import SceneOverlays, binomial
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.containers import bounds, center_of
 from jostle_lab.simulate.region import container_of
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 PATH_POINTS = 60  # in these tests

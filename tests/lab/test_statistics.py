@@ -9,9 +9,9 @@ from lab_overlays import frame_of
 
 import jostle
 from jostle_lab.measure import EVERY, Series, Statistics, Traces
+from jostle_lab.schema import Settings
 from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Energies, Frame, StepStats
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 FRAME = 1 / 60

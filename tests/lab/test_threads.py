@@ -10,9 +10,9 @@ from lab_interaction import Driver, gate_steps, world_of
 
 import jostle
 from jostle_lab.act.interaction import DragTool
+from jostle_lab.schema import Settings
 from jostle_lab.simulate import engine, start
 from jostle_lab.simulate.engine import MAX_STEPS, Engine, FixedTimestep
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 
 MANY = 200_000

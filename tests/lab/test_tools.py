@@ -13,8 +13,8 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import STAGE
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.gui.input import ZOOM_STEP
+from jostle_lab.schema import Polyline, Settings
 from jostle_lab.simulate.region import Torus
-from jostle_lab.simulate.settings import Polyline, Settings
 from jostle_lab.simulate.start import start
 
 FOUR = [(100, 100), (200, 100), (100, 300), (600, 400)]

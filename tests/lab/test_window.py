@@ -6,7 +6,7 @@ import pytest
 from lab_interaction import FRAME, LEFT, SIZE, Driver, Point, post, world_of
 
 from jostle_lab.draw.view_options import TreeView
-from jostle_lab.simulate.settings import MOST_BRUTE, Settings
+from jostle_lab.schema import MOST_BRUTE, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 

@@ -6,10 +6,10 @@ The acceleration is distance × strength, independent of the mass, as in the art
 import math
 from collections.abc import Callable
 
+from jostle_lab.schema import FARTHEST
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Attractor, Point, Tags
 from jostle_lab.simulate.simulation import Simulation
-from jostle_lab.simulate.validation import FARTHEST
 
 STRENGTH = 4.0  # 1/s²: a particle at rest arrives after 0.75 s
 CURSOR_STRENGTH = 8.0  # 1/s²: enough to lift a pile

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
+from jostle_lab.schema import EVERY_CATEGORY, Polyline
 from jostle_lab.simulate.containers import (
     Floats,
     are_inside,
@@ -23,7 +24,6 @@ from jostle_lab.simulate.engine import REFUSALS, Engine, message_of
 from jostle_lab.simulate.forces import nearest
 from jostle_lab.simulate.frame import Frame, Point, Rect, Tags
 from jostle_lab.simulate.region import Container
-from jostle_lab.simulate.settings import EVERY_CATEGORY, Polyline
 from jostle_lab.simulate.simulation import Simulation
 
 CLONE_GAP = 1.05  # diameters between a particle and its clone

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle_lab.draw.text import plural
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.containers import minimum_image
 from jostle_lab.simulate.frame import Frame, Rect
-from jostle_lab.simulate.settings import Settings
 
 AXES = ("x", "y")
 INTERVAL = 1.0  # seconds between two explanations in scenes of

@@ -1,34 +1,36 @@
 """The commands, their options, and the rules of these."""
 
-from dataclasses import replace
+import inspect
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 import jostle
 from jostle_lab import interrupt
 from jostle_lab.launcher import is_started_by_mpi
-from jostle_lab.simulate.settings import METHODS, RULES, STEPS, Settings
-from jostle_lab.simulate.validation import one_of, whole
+from jostle_lab.schema import MAX_PARTICLES, SCALARS, Settings, about, kind_of, unknown
 
-from .refusals import check_file, check_folder, check_option, check_scene, console, refuse
-from .runs import has_display, read_settings, record, show
+from .refusals import check_file, check_folder, check_scene, console, refuse
+from .runs import has_display, open_source, record, show
+from .values import given_settings
 
-DEFAULT_SCENE = "mixed"
-TUNED = whole(1, 2_000_000)  # particles
+DEFAULT_SCENE = Settings().scene
 PICTURES = ".png", ".pdf", ".svg"
-SEEDS = whole(1, 1_000_000)
-SWEPT = whole(1, 1_000_000_000)
-WARM_UP = whole(0, 1_000_000_000)
-WORKERS = whole(1, 10_000)
 
 # Arguments of several commands.
 _SCENE = typer.Argument(help="A scene, as `jostle scenes` lists them.")
 Count = Annotated[
     int | None,
-    typer.Option("-n", help="Number of particles; the default of the scene if not given."),
+    typer.Option(
+        "-n", min=0, max=MAX_PARTICLES, help="Number of particles; that of the scene unless given."
+    ),
+]
+Steps = Annotated[
+    int | None,
+    typer.Option(min=1, help="Number of steps; without a window, 10 s of video unless given."),
 ]
 
 app = typer.Typer(
@@ -67,66 +69,66 @@ def scenes() -> None:
     console.print(table)
 
 
-@app.command()
+def _setting(name: str) -> inspect.Parameter:
+    """Return the option of a setting, as the schema declares it."""
+    option = "-n" if name == "n" else "--" + name.replace("_", "-")
+    hint = typer.Option(option, help=escape(about(name)), metavar=kind_of(name), show_default=False)
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, hint]
+    )
+
+
 def run(
-    scene: Annotated[
-        str | None,
-        typer.Argument(help=f"A scene, as `jostle scenes` lists them. (default: {DEFAULT_SCENE})"),
-    ] = None,
-    n: Count = None,
-    method: Annotated[
-        str | None, typer.Option(help=f"One of {', '.join(METHODS)}. (default: {Settings.method})")
-    ] = None,
-    leaf_capacity: Annotated[
-        int | None, typer.Option(help="Maximum number of particles in a leaf of the tree.")
-    ] = None,
-    max_depth: Annotated[int | None, typer.Option(help="Maximum depth of the tree.")] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="The same seed gives the same run. (default: 0)")
-    ] = None,
-    config_file: Annotated[
-        Path | None,
-        typer.Option("--config", help="A TOML file with settings; options override them."),
-    ] = None,
-    steps: Annotated[
-        int | None,
-        typer.Option(help="Number of steps; without a window, 10 s of video if not given."),
-    ] = None,
+    source: Annotated[
+        str,
+        typer.Argument(
+            help="A scene, as `jostle scenes` lists them, or a file: .jostle or .toml.",
+            metavar="[SCENE|FILE]",
+        ),
+    ] = DEFAULT_SCENE,
+    steps: Steps = None,
     headless: Annotated[
         bool, typer.Option("--headless", help="Record a video instead of opening a window.")
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the video and the picture.")] = Path("out"),
+    **options: str | None,
 ) -> None:
-    """Run a scene in a window, or record a video if there is no display."""
-    if scene is not None:
-        check_scene(scene)
-    options: dict[str, Any] = {
-        **{"scene": scene, "n": n, "seed": seed, "method": method},
-        **{"leaf_capacity": leaf_capacity, "max_depth": max_depth},
-    }
-    given = {name: value for name, value in options.items() if value is not None}
-    for name, value in given.items():
-        check_option(name, value, RULES[name])
-    check_option("steps", steps, STEPS)
+    """Run a scene or a file in a window, or record a video if there is no display."""
+    given = given_settings(options)
     if is_started_by_mpi():
         refuse("a scene runs in one process; examples/film_over_ranks.py runs one on many ranks")
-    config = read_settings(config_file)
-    settings = replace(config.settings, **given)
+    opened = open_source(source, given)
     why_no_window = None
     if not headless:
-        why_no_window = show(settings, steps, config) if has_display() else "there is no display"
+        why_no_window = show(opened, steps) if has_display() else "there is no display"
         if why_no_window is None:
             return
     check_folder(out)
     if why_no_window is not None:
         console.print(f"No window ({why_no_window}); recording a video instead.")
-    record(settings, steps, out, config)
+    record(opened, steps, out)
+
+
+def _with_settings(command: Any) -> None:
+    """Replace the keywords of a command by one option for each setting."""
+    signature = inspect.signature(command)
+    own = [each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD]
+    settings = [_setting(name) for name in SCALARS]
+    command.__signature__ = signature.replace(parameters=[*own, *settings])
+    command.__annotations__ |= {each.name: each.annotation for each in settings}
+    del command.__annotations__["options"]
+
+
+_with_settings(run)
+app.command()(run)
 
 
 @app.command()
 def tune(
     scene: Annotated[str, _SCENE] = DEFAULT_SCENE,
-    n: Annotated[int, typer.Option("-n", help="Number of particles.")] = 10_000,
+    n: Annotated[
+        int, typer.Option("-n", min=1, max=2_000_000, help="Number of particles.")
+    ] = 10_000,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -137,7 +139,6 @@ def tune(
 ) -> None:
     """Draw a map of the time to find all pairs, over the leaf capacity and depth of the tree."""
     check_scene(scene)
-    check_option("n", n, TUNED)
     path = out or Path("out") / f"tune-{scene}.png"
     if path.suffix.lower() not in PICTURES:
         refuse(f"--out is {str(path)!r}; the picture's name must end with {' or '.join(PICTURES)}")
@@ -166,15 +167,15 @@ def sweep(
         list[str] | None,
         typer.Option("--set", help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE; repeatedly."),
     ] = None,
-    seeds: Annotated[int, typer.Option(help="Number of seeds of each combination.")] = 1,
-    steps: Annotated[int, typer.Option(help="Steps of each run that are measured.")] = 600,
-    warm_up: Annotated[int, typer.Option(help="Steps before these.")] = 0,
+    seeds: Annotated[int, typer.Option(min=1, help="Number of seeds of each combination.")] = 1,
+    steps: Annotated[int, typer.Option(min=1, help="Steps of each run that are measured.")] = 600,
+    warm_up: Annotated[int, typer.Option(min=0, help="Steps before these.")] = 0,
     measure: Annotated[
         list[str] | None,
         typer.Option(help="What to measure; repeatedly. (default: energy and pressure)"),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(help="Processes; one for each core if not given.")
+        int | None, typer.Option(min=1, help="Processes; one for each core if not given.")
     ] = None,
 ) -> None:
     """Simulate a scene with all combinations of settings and seeds, in many processes."""
@@ -184,17 +185,10 @@ def sweep(
     from jostle_lab.sweep.table import TableError
 
     check_scene(scene)
-    check_option("n", n, RULES["n"])
-    for name, count, rule in (
-        ("seeds", seeds, SEEDS),
-        ("steps", steps, SWEPT),
-        ("warm_up", warm_up, WARM_UP),
-        ("workers", workers, WORKERS),
-    ):
-        check_option(name, count, rule)
     measures = list(dict.fromkeys(measure or ["energy", "pressure"]))
     for name in measures:
-        check_option("measure", name, one_of(*MEASURES))
+        if name not in MEASURES:
+            refuse(f"--measure {name} {unknown(name, 'a measure', MEASURES)}")
     try:
         runs = plan(scene, n, given or [], seeds, steps, warm_up, measures)
         check_file("--out", out)

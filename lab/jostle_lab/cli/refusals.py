@@ -10,8 +10,7 @@ import typer
 from rich.console import Console
 
 from jostle_lab.launcher import speaks
-from jostle_lab.simulate.settings import unknown_scene
-from jostle_lab.simulate.validation import AnyRule, check
+from jostle_lab.schema import unknown_scene
 
 console = Console()
 
@@ -19,13 +18,6 @@ console = Console()
 def check_scene(scene: str) -> None:
     if why := unknown_scene(scene):
         refuse(why)
-
-
-def check_option(name: str, value: object, rule: AnyRule) -> None:
-    """Exit with a message if an option breaks its rule."""
-    option = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
-    if value is not None and (refusal := check(option, value, rule)):
-        refuse(refusal)
 
 
 def check_folder(out: Path) -> None:

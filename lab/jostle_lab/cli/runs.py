@@ -5,35 +5,82 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jostle_lab import interrupt
-from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.schema import Settings
+from jostle_lab.simulate.simulation import ADJUSTABLE, Simulation
 from jostle_lab.simulate.start import start
 
-from .refusals import console, refuse
+from .refusals import check_scene, console, refuse
 
 if TYPE_CHECKING:
-    from jostle_lab.storage.config import Config
+    from jostle_lab.draw.camera import Camera, Size
+    from jostle_lab.draw.view_options import ViewOptions
+    from jostle_lab.storage.scene_file import SavedScene
 
 
-def read_settings(path: Path | None) -> Config:
-    """Return the contents of a file; no entries without a file."""
-    from jostle_lab.storage.config import Config, ConfigError, read_config
+@dataclass(frozen=True)
+class Opened:
+    """A scene or a file, ready to run."""
 
-    if path is None:
-        return Config()
+    simulation: Simulation
+    size: Size | None = None  # of the window or the video
+    view_options: Mapping[str, Any] = field(default_factory=dict)
+    saved: SavedScene | None = None
+
+    def show(self, camera: Camera, options: ViewOptions) -> None:
+        """Set a camera and view options to those of the file."""
+        options.update(self.view_options)
+        if self.saved is not None:
+            self.saved.show(camera, options)
+
+
+def open_source(source: str, given: Mapping[str, Any]) -> Opened:
+    """Return the simulation of a scene's name or a file, with the given settings."""
+    path = Path(source)
     try:
-        return read_config(path)
+        if path.suffix == ".toml":
+            return _open_settings(path, given)
+        if path.suffix == ".jostle" or path.exists():
+            return _open_scene(path, given)
+    except OSError as error:
+        refuse(f"{source} cannot be read: {error.strerror}")
+    check_scene(source)
+    return Opened(_start(Settings(source, **given)))
+
+
+def _open_settings(path: Path, given: Mapping[str, Any]) -> Opened:
+    from jostle_lab.storage.config import ConfigError, read_config
+
+    try:
+        config = read_config(path)
     except ConfigError as error:
         refuse(str(error))
-    except OSError as error:
-        refuse(f"--config is {str(path)!r}, which cannot be read: {error.strerror}")
+    simulation = _start(replace(config.settings, **given), path.name)
+    return Opened(simulation, config.size, config.view_options)
 
 
-def show(settings: Settings, steps: int | None, config: Config) -> str | None:
+def _open_scene(path: Path, given: Mapping[str, Any]) -> Opened:
+    """Open a saved scene; only settings that can change in a running scene may be given."""
+    from jostle_lab.storage.scene_file import read_scene
+
+    try:
+        saved = read_scene(path)
+    except ValueError as error:
+        refuse(str(error).rstrip("."))
+    for name, value in given.items():
+        if name not in ADJUSTABLE:
+            refuse(f"{name} cannot be changed in a saved scene")
+        if why := saved.simulation.adjust(name, value):
+            refuse(why)
+    return Opened(saved.simulation, saved=saved)
+
+
+def show(opened: Opened, steps: int | None) -> str | None:
     """Run in a window; return the reason if none can be opened."""
     if importlib.util.find_spec("imgui_bundle") is None:
         refuse("the window needs Python 3.11 or newer; --headless records a video")
@@ -42,29 +89,28 @@ def show(settings: Settings, steps: int | None, config: Config) -> str | None:
     from jostle_lab.draw.screen import NoOpenGLError
     from jostle_lab.window import SIZE, Window
 
-    simulation = _start(settings, config)
     try:
-        window = Window(simulation, config.size or SIZE, steps=steps)
+        window = Window(opened.simulation, opened.size or SIZE, steps=steps)
     except (NoOpenGLError, pygame.error) as error:
         return str(error)
-    window.session.view_options.update(config.view_options)
+    opened.show(window.session.camera, window.session.view_options)
     with interrupt.raised():
         window.run()
     return None
 
 
-def record(settings: Settings, steps: int | None, out: Path, config: Config) -> None:
+def record(opened: Opened, steps: int | None, out: Path) -> None:
     """Record a video, and print the table."""
     from jostle_lab.draw.view_options import ViewOptions
     from jostle_lab.headless import SIZE, default_steps, film_report, make_film
 
-    options = ViewOptions(**config.view_options) if config.view_options else None
-    simulation = _start(settings, config)
+    options = ViewOptions(**opened.view_options) if opened.view_options else None
+    simulation = opened.simulation
     try:
         with interrupt.raised():
             film = make_film(
                 *(simulation, steps or default_steps(simulation), out, console),
-                size=config.size or SIZE,
+                size=opened.size or SIZE,
                 options=options,
             )
     except OSError as error:
@@ -76,13 +122,13 @@ def record(settings: Settings, steps: int | None, out: Path, config: Config) -> 
     console.print(f"video    {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
 
 
-def _start(settings: Settings, config: Config) -> Simulation:
+def _start(settings: Settings, file: str = "") -> Simulation:
     """Return the simulation; an error of the library becomes a message of the command."""
     try:
         return start(settings)
     except (ValueError, OverflowError, MemoryError) as error:
         why = str(error) or f"there is not enough memory for {settings.n:,} particles"
-        refuse(f"{config.name}: {why}" if config.name else why)
+        refuse(f"{file}: {why}" if file else why)
 
 
 def has_display() -> bool:

@@ -45,7 +45,7 @@ class Colouring:
         """Return a shade, an index into DISCS, for each particle."""
         if frame.movable is not self._movable:
             self._movable, self._automatic, self._kept = frame.movable, _choice(frame), None
-        shows = self._automatic if by is ColourBy.AUTO else by.value
+        shows = self._automatic if by is ColourBy.AUTO else by.label
         if shows != self.shows:
             self.shows, self._reference, self._kept = shows, 0.0, None
         if shows in COLUMNS:

@@ -11,8 +11,8 @@ from jostle_lab.gui.keymap import HANDLERS, key_of
 from jostle_lab.gui.style import layout, vec
 from jostle_lab.panels import files_panel, life_panel, settings_panel, statistics_panel
 from jostle_lab.panels import widgets as ui
+from jostle_lab.schema import METHODS
 from jostle_lab.session import Session
-from jostle_lab.simulate.settings import METHODS
 
 # Commands of the keymap, and their icons in Font Awesome.
 ICONS = {

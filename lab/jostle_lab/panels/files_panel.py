@@ -19,6 +19,7 @@ SIZES: dict[str, Size | None] = {
     "window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),
     "square": (1080, 1080),
 }  # fmt: skip
+TOML = "The settings as a text, for jostle run FILE."
 CSV = "The present particles, and energy and momentum over time."
 GSD = "The last 30 s, ten frames per second, for OVITO and others."
 LENGTHS: dict[str, float | None] = {"until stopped": None, "5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
@@ -60,7 +61,8 @@ def build(session: Session, gui: Gui) -> None:
     ui.buttons(
         gui,
         ui.Button("save", "save", files.save),
-        ui.Button("screenshot", "screenshot", files.screenshot),
+        ui.Button("save settings", "settings", files.save_settings, TOML),
+        ui.Button("screenshot", "picture", files.screenshot),
     )
     saved = {str(path): path.stem for path in files.scenes()}
     none = "" if saved else f"There is no saved scene in {files.folder}."

@@ -1,24 +1,32 @@
 """Containers: their bounds, another kind or size, and free positions inside for discs."""
 
-from __future__ import annotations
-
 import math
-from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator
+from pydantic.dataclasses import dataclass
 
 import jostle
+from jostle_lab.schema import FARTHEST, FORBID, ContainerKind, Count, Region, fault
 from jostle_lab.simulate.forces import Ends, clear_of
 from jostle_lab.simulate.frame import Frame, Rect
 from jostle_lab.simulate.region import Container, Torus
-from jostle_lab.simulate.settings import CONTAINERS, PARTICLES
-from jostle_lab.simulate.validation import FARTHEST, limited, one_of, or_none, rect
 
 Floats = NDArray[np.floating]
 
 # A scene may be scaled by up to 100; its view must then still be within the limits.
-_RECT = rect(FARTHEST / 1_000)
+_LARGEST = FARTHEST / 1_000
+
+
+def _is_scalable(rect: Rect) -> Rect:
+    if max(map(abs, rect)) > _LARGEST:
+        raise fault(f"it must be within ±{_LARGEST:g}")
+    return rect
+
+
+_Region = Annotated[Region, AfterValidator(_is_scalable)]
 
 
 def bounds(container: Container) -> Rect | None:
@@ -70,8 +78,12 @@ def diagonal(rect: Rect) -> float:
     return math.sqrt(width * width + height * height)
 
 
-def kind_of(container: Container) -> str:
-    return "none" if container is None else type(container).__name__.lower()
+def kind_of(container: Container) -> ContainerKind:
+    if isinstance(container, jostle.Box):
+        return "box"
+    if isinstance(container, jostle.Circle):
+        return "circle"
+    return "none" if container is None else "torus"
 
 
 def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
@@ -82,17 +94,17 @@ def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
     return x0, y0, x1, y1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=FORBID)
 class InitialRegion:
     """The initial container, view and number of particles of a scene."""
 
-    view: Rect = limited(_RECT)
-    rect: Rect = limited(_RECT)  # bounds of the container; the view if there is none
-    kind: str = limited(one_of(*CONTAINERS))
-    n: int | None = limited(or_none(PARTICLES))
+    view: _Region
+    rect: _Region  # bounds of the container; the view if there is none
+    kind: ContainerKind
+    n: Count | None
 
     @classmethod
-    def of(cls, container: Container, view: Rect, n: int | None) -> InitialRegion:
+    def of(cls, container: Container, view: Rect, n: int | None) -> "InitialRegion":
         """Return those of a scene."""
         return cls(view, bounds(container) or view, kind_of(container), n)
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
+from jostle_lab.schema import Settings
 from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.history import History
-from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 
 T = TypeVar("T")

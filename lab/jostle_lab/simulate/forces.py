@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
+from jostle_lab.schema import Polyline
 from jostle_lab.simulate.frame import Attractor, Forces, ParticleTable, Point, pair_force
-from jostle_lab.simulate.settings import Polyline
 
 Attractors = tuple[Attractor, ...]
 

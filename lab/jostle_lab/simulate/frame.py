@@ -5,17 +5,18 @@ not.
 """
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+import pydantic.dataclasses
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, Strict
 
 import jostle
 from jostle import life
+from jostle_lab.schema import FORBID, Id, Truth, Vector
+from jostle_lab.schema import Rect as Rect
 from jostle_lab.simulate.region import Container, container_of
-from jostle_lab.simulate.settings import TRUTH, VECTOR
-from jostle_lab.simulate.settings import Rect as Rect
-from jostle_lab.simulate.validation import COUNT, limited, or_none, real
 
 Point = tuple[float, float]
 Tags = NDArray[np.int64]
@@ -84,14 +85,14 @@ class StepStats:
     stage_times: dict[str, float] = field(default_factory=dict)  # milliseconds, in order
 
 
-@dataclass(frozen=True)
+@pydantic.dataclasses.dataclass(frozen=True, config=FORBID)
 class Attractor:
     """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
 
-    strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
-    point: Point | None = limited(or_none(VECTOR), None)
-    tag: int | None = limited(or_none(COUNT), None)
-    passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
+    strength: Annotated[float, Strict(), Field(ge=-STRONGEST, le=STRONGEST)]  # 1/s²
+    point: Vector | None = None
+    tag: Id | None = None
+    passing: Truth = False  # whether it ends when a key is released
 
 
 @dataclass(frozen=True)

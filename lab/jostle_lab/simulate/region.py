@@ -23,6 +23,13 @@ def container_of(world: jostle.World) -> Container:
     return world.container if period is None else Torus(*period.tolist())
 
 
+def area_of(container: jostle.Box | jostle.Circle | Torus) -> float:
+    """Return the area inside a container."""
+    if isinstance(container, Torus):
+        return container.width * container.height
+    return container.area
+
+
 def set_container(world: jostle.World, container: Container) -> None:
     """Set the container of a world, or its period; if that is refused, nothing changes."""
     if isinstance(container, Torus):

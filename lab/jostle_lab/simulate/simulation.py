@@ -10,8 +10,21 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic.dataclasses import dataclass
 
 import jostle
+from jostle_lab.schema import (
+    EVERY_CATEGORY,
+    FORBID,
+    Id,
+    Polyline,
+    Real,
+    Region,
+    Settings,
+    read,
+    too_slow,
+    wrong,
+)
 from jostle_lab.simulate.containers import (
     InitialRegion,
     bounds,
@@ -30,18 +43,12 @@ from jostle_lab.simulate.frame import (
     Tags,
     frame_of,
 )
-from jostle_lab.simulate.region import container_of, set_container, with_restitution
-from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
-from jostle_lab.simulate.validation import (
-    COUNT,
-    Fields,
-    Many,
-    Rule,
-    each,
-    fields_of,
-    read,
-    real,
-    rect,
+from jostle_lab.simulate.region import (
+    Container,
+    area_of,
+    container_of,
+    set_container,
+    with_restitution,
 )
 
 TIME_STEP = 1 / 60
@@ -62,20 +69,21 @@ ADJUSTABLE = frozenset((*WORLD_SETTINGS, *COLUMN_SETTINGS)) | {
 WIDTHS = {"positions": (2,), "velocities": (2,)}  # of one value of a column
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
-# The values of a saved state, which the world keeps as its attachment.
-STATE_FIELDS = Fields(
-    {
-        "settings": SETTINGS,
-        "view": rect(),
-        "own_forces": COUNT,
-        "pulls": Many(fields_of(Attractor)),
-        "home": fields_of(InitialRegion),
-        "own_walls": COUNT,
-        # Times of birth, and how many particles in a row have each.
-        "born": Many(each(real(), "time", "count"), most=2**31),
-        "window": Rule("what the window shows", lambda value: True),
-    }
-)
+Born = tuple[tuple[Real, Id], ...]  # times of birth, and how many particles in a row have each
+
+
+@dataclass(frozen=True, config=FORBID)
+class State:
+    """What a saved world keeps as its attachment."""
+
+    settings: Settings
+    view: Region
+    own_forces: Id
+    pulls: tuple[Attractor, ...]
+    home: InitialRegion
+    own_walls: Id
+    born: Born
+    window: Any = None
 
 
 class Simulation:
@@ -110,6 +118,12 @@ class Simulation:
         scene, n, seed = settings.scene, settings.n, settings.seed
         world = jostle.scenes.create(scene, n=n, seed=seed)
         return cls(settings, jostle.scenes.view(scene, n), world)
+
+    @classmethod
+    def of_own(cls, world: jostle.World, name: str) -> Simulation:
+        """Return the simulation of a world that no scene has made; `name` is shown for it."""
+        view = bounds(container_of(world)) or _view_of(world)
+        return cls(Settings(name, method=world.method), view, world)
 
     @classmethod
     def resume(cls, state: bytes) -> Simulation:
@@ -168,6 +182,8 @@ class Simulation:
 
     def adjust(self, name: str, value: Any) -> str | None:
         """Change a setting; return a message if it is refused, without any change."""
+        if why := wrong(name, value):
+            return why
         before = self.settings
         self.settings = replace(before, **{name: value})
         try:
@@ -199,6 +215,7 @@ class Simulation:
         world, settings, before = self.world, self.settings, self._center()
         container, view = self._initial.fitted(settings.container, settings.world_size)
         container = with_restitution(container, settings.container_restitution)
+        self._require_room(container)
         set_container(world, container)
         self.view = view
         shift = self._center() - before
@@ -206,6 +223,14 @@ class Simulation:
         places = world.positions.astype(np.float64) + shift
         inside = moved_inside(places, self._columns.radii.astype(np.float64), container)
         world.positions = np.where(self._columns.movable[:, None], inside, places)
+
+    def _require_room(self, container: Container) -> None:
+        """Raise a ValueError if the particles need more area than a container has."""
+        area = math.inf if container is None else area_of(container)
+        needed = math.pi * float((self._columns.radii[self._columns.movable] ** 2).sum(dtype=float))
+        if needed > area:
+            what = f"the particles need an area of {needed:.3g}"
+            raise ValueError(f"The container would have an area of {area:.3g}; {what}.")
 
     def _set_count(self, n: int) -> None:
         """Add copies of particles if there are enough free positions, or remove the last ones.
@@ -365,25 +390,35 @@ class Simulation:
 
     def _take(self, world: jostle.World) -> None:
         """Continue from a world with an attachment."""
-        facts = read(attached(world), STATE_FIELDS)
-        settings, initial = facts["settings"], facts["home"]
-        if world.method != settings.method:
-            raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
+        state = read(State, attached(world))
+        if world.method != state.settings.method:
+            raise ValueError(f"settings.method is {state.settings.method!r}, but not in its world")
         for name, there in (("own_forces", len(world.forces)), ("own_walls", len(world.walls))):
-            if facts[name] > there:
+            if (own := getattr(state, name)) > there:
                 what = name.removeprefix("own_")
-                raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
-        times, counts = np.array(facts["born"], np.float64).reshape(-1, 2).T
-        if (counts < 0).any() or (counts % 1).any() or counts.sum() != len(world):
+                raise ValueError(f"{name} is {own}; its world has {there} {what}")
+        times, counts = np.array(state.born, np.float64).reshape(-1, 2).T
+        if counts.sum() != len(world):
             raise ValueError(
                 f"born has {counts.sum():g} times; its world has {len(world)} particles"
             )
-        born = np.repeat(times, counts.astype(np.int64))
-        columns = ParticleTable(world, born)
-        self._attractions = AttractorForces(world, columns, facts["own_forces"], facts["pulls"])
-        self._segments = WallSegments(world, facts["own_walls"])
-        self.settings, self.view, self._initial = settings, facts["view"], initial
+        columns = ParticleTable(world, np.repeat(times, counts.astype(np.int64)))
+        self._attractions = AttractorForces(world, columns, state.own_forces, state.pulls)
+        self._segments = WallSegments(world, state.own_walls)
+        self.settings, self.view, self._initial = state.settings, state.view, state.home
         self.world, self._columns = world, columns
+
+
+def _view_of(world: jostle.World) -> Rect:
+    """Return a rectangle around all particles and walls, with a margin."""
+    ends = world.walls.segments.reshape(-1, 2)
+    places, radii = world.positions, world.radii[:, None]
+    corners = np.concatenate([places - radii, places + radii, ends]).astype(np.float64)
+    if not len(corners):
+        return 0.0, 0.0, 100.0, 100.0
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    (x0, y0), (x1, y1) = (low + high) / 2 + np.outer((-0.6, 0.6), max(*(high - low), 1e-3))
+    return float(x0), float(y0), float(x1), float(y1)
 
 
 def attached(world: jostle.World) -> Any:

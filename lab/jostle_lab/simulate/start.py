@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
+from jostle_lab.schema import Group, Settings
 from jostle_lab.simulate.containers import bounds, directions, free_positions
 from jostle_lab.simulate.region import Container
-from jostle_lab.simulate.settings import Group, Settings
 from jostle_lab.simulate.simulation import Simulation
 
 

@@ -26,6 +26,7 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
 from jostle_lab.simulate.engine import Worker, message_of
 from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.storage.config import config_text
 from jostle_lab.storage.recording import Recording, pixels
 from jostle_lab.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
 
@@ -114,11 +115,15 @@ class Files:
             return scenes[0].simulation
 
         def then() -> None:
-            scenes[0].aim(self._camera)
-            self._view_options.update(scenes[0].view_options)
+            scenes[0].show(self._camera, self._view_options)
             self._messages.say(f"Loaded {path.name}")
 
         self._runner.replace(read, f"Loading {path.name} …", then)
+
+    def save_settings(self) -> None:
+        """Write the settings and the view options as TOML, for `jostle run FILE`."""
+        text = config_text(self._runner.engine.settings, self._view_options)
+        self._write(".toml", lambda path: write_file(path, text.encode()))
 
     # Screenshots and videos
 

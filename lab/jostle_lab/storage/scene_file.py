@@ -1,62 +1,68 @@
 """A scene in a file, `.jostle`: a world; settings, camera and view options are attached."""
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from enum import Enum
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, Strict, TypeAdapter
+from pydantic.dataclasses import dataclass as checked
 
 import jostle
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.view_options import OPTION_RULES, ViewOptions, spelling
-from jostle_lab.simulate.settings import TRUTH, unknown_scene
+from jostle_lab.draw.view_options import ViewOptions
+from jostle_lab.schema import FORBID, Truth, fields_of, read
 from jostle_lab.simulate.simulation import Simulation, attached
-from jostle_lab.simulate.validation import Fields, each, read, real, whole
 
 SUFFIX = ".jostle"
 NOT_RESTORED = {"help", "panels"}  # view options of the window
 
 TINY, HUGE = 1e-30, 1e30  # limits of pixels per world unit, and of world units
+Coordinate = Annotated[float, Strict(), Field(ge=-HUGE, le=HUGE)]
+Side = Annotated[int, Strict(), Field(ge=1, le=1_000_000)]
 
-CAMERA = Fields(
-    {
-        "center": each(real(-HUGE, HUGE), "x", "y"),
-        "scale": real(TINY, HUGE),
-        "size": each(whole(1, 1_000_000), "width", "height"),
-        "at_home": TRUTH,
-    }
-)
-SHOWN = Fields(OPTION_RULES, "a switch", required=())
-WINDOW = Fields({"camera": CAMERA, "shown": SHOWN})
+
+@checked(frozen=True, config=FORBID)
+class SavedCamera:
+    """The view of a camera, and the size of its screen in pixels."""
+
+    center: tuple[Coordinate, Coordinate]
+    scale: Annotated[float, Strict(), Field(ge=TINY, le=HUGE)]
+    size: tuple[Side, Side]
+    at_home: Truth
+
+
+@checked(frozen=True, config=FORBID)
+class SavedWindow:
+    """What a window shows."""
+
+    camera: SavedCamera
+    shown: ViewOptions
 
 
 @dataclass(frozen=True)
 class SavedScene:
-    """The contents of a file."""
+    """The contents of a file; a world that no window has saved has no `window`."""
 
     simulation: Simulation
-    camera: Mapping[str, Any]
-    view_options: Mapping[str, Any]
+    window: SavedWindow | None
 
-    def aim(self, camera: Camera) -> None:
-        """Set a camera to the saved view, at the size of its own screen."""
-        (x, y), (width, height) = self.camera["center"], self.camera["size"]
-        scale = self.camera["scale"] * min(camera.size[0] / width, camera.size[1] / height)
+    def show(self, camera: Camera, options: ViewOptions) -> None:
+        """Set a camera, at the size of its own screen, and view options to the saved ones."""
         camera.look_at(self.simulation.view)
-        if not self.camera["at_home"]:
-            camera.aim((x, y), scale)
+        if self.window is None:
+            return
+        saved, shown = self.window.camera, vars(self.window.shown)
+        options.update({name: shown[name] for name in shown if name not in NOT_RESTORED})
+        if not saved.at_home:
+            shares = (side / before for side, before in zip(camera.size, saved.size, strict=True))
+            camera.aim(saved.center, saved.scale * min(shares))
 
 
 def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
     """Return the contents of a scene file."""
-    window = {
-        "camera": {name: getattr(camera, name) for name in CAMERA.rules},
-        "shown": {
-            name: spelling(value) if isinstance(value, Enum) else value
-            for name, value in asdict(options).items()
-        },
-    }
-    return simulation.save(window)
+    view = {name: getattr(camera, name) for name in fields_of(SavedCamera)}
+    shown = TypeAdapter(ViewOptions).dump_python(options, mode="json")
+    return simulation.save({"camera": view, "shown": shown})
 
 
 def read_scene(path: Path) -> SavedScene:
@@ -65,12 +71,12 @@ def read_scene(path: Path) -> SavedScene:
         world = jostle.World.load(path)
     except ValueError as error:
         raise ValueError(f"{str(error).replace(str(path), path.name)}.") from error
+    if world.attachment is None:
+        return SavedScene(Simulation.of_own(world, path.name), None)
     try:
         simulation = Simulation.of_world(world)
-        window = read(attached(world)["window"], WINDOW)
-        if why := unknown_scene(simulation.settings.scene):
-            raise ValueError(why)
+        window: Any = attached(world).get("window")
+        saved = None if window is None else read(SavedWindow, window, within="window")
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
-    shown = {name: value for name, value in window["shown"].items() if name not in NOT_RESTORED}
-    return SavedScene(simulation, window["camera"], shown)
+    return SavedScene(simulation, saved)
