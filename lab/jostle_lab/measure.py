@@ -23,7 +23,7 @@ SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "dr
 SPAN = 5.0  # seconds of times
 BINS = 75
 MOST_POINTS = 200  # of a line of sums
-RENEWED = 0.15  # seconds between two updates of a part
+RENEWED = 0.15  # seconds between two updates
 SMOOTH = 0.35  # weight of a new mean, so that the numbers can be read
 RECENT = 30  # frames of a mean
 USUAL = 0.97  # quantile of the times that is below `top`
@@ -186,16 +186,10 @@ class Statistics:
 
 
 class Traces:
-    """The lines of the statistics panel: the series, binned for plots.
-
-    They are updated a few times per second, one part per frame: drawing changed parts takes time
-    without a graphics card.
-    """
+    """The lines of the statistics panel: the series, binned for plots, a few times per second."""
 
     def __init__(self, statistics: Statistics) -> None:
         self._statistics = statistics
-        self._parts = (self._renew_times, self._renew_stats, self._renew_energies,
-                       self._renew_momenta)  # fmt: skip
         self.ages = np.linspace(-SPAN, 0.0, BINS)  # seconds before now of each bin, ascending to 0
         self.frames = np.zeros(BINS)  # the time between two frames, per bin
         self.frame_mean = 0.0  # milliseconds between two frames
@@ -206,15 +200,24 @@ class Traces:
         self._forget()
 
     def refresh(self, frame: Frame, now: float) -> None:
-        """Update the part that is overdue the longest; all parts at the beginning of a run."""
-        if self._statistics.stages != self._stages or not len(self._statistics.sums):
+        """Update all lines if they are old, or of another run."""
+        statistics, origin = self._statistics, self._statistics.origin
+        if statistics.stages != self._stages or not len(statistics.sums):
             self._forget()
-        late = [k for k, done in enumerate(self._done) if abs(now - done) >= RENEWED]
-        if -np.inf not in self._done:
-            late = sorted(late, key=self._done.__getitem__)[:1]
-        for k in late:
-            self._parts[k](frame, now)
-            self._done[k] = now
+        if abs(now - self._done) < RENEWED:
+            return
+        self._done = now
+        self._renew_times(now)
+        self.count, self.stats = len(frame), frame.stats
+        if origin is not None:  # otherwise the lines stay until the next sum
+            self.energies = self._columns(ENERGIES, origin.time)
+            for name in ("total", "potential"):
+                self.energies[ENERGIES.index(name)] -= origin.energies.potential
+            self.momenta = self._columns(MOMENTA, origin.time)
+            self.energy_drift, self.momentum_drift = (
+                statistics.energy_drift, statistics.momentum_drift
+            )  # fmt: skip
+            self.measured, self.changing = statistics.measured, statistics.changing
 
     def _forget(self) -> None:
         self._stages = self._statistics.stages
@@ -224,9 +227,9 @@ class Traces:
         # Sums since the last change of the rules; the potential energy is 0 at their beginning.
         self.energies = np.zeros((len(ENERGIES), 0))
         self.momenta = np.zeros((len(MOMENTA), 0))
-        self._done = [-np.inf] * len(self._parts)
+        self._done: float = -np.inf
 
-    def _renew_times(self, _: Frame, now: float) -> None:
+    def _renew_times(self, now: float) -> None:
         times = self._statistics.times
         at = np.floor((times["now"] - now) * (BINS - 1) / SPAN).astype(np.intp) + BINS - 1
         shown = at >= 0
@@ -249,25 +252,6 @@ class Traces:
         for name, mean in zip(self._stages, stages, strict=True):
             old = self.means.get(name, mean)
             self.means[name] = old + (mean - old) * SMOOTH
-
-    def _renew_stats(self, frame: Frame, _: float) -> None:
-        self.count, self.stats = len(frame), frame.stats
-
-    def _renew_energies(self, *_: object) -> None:
-        origin = self._statistics.origin
-        if origin is None:  # the lines stay until the next sum
-            return
-        self.energies = self._columns(ENERGIES, origin.time)
-        for name in ("total", "potential"):
-            self.energies[ENERGIES.index(name)] -= origin.energies.potential
-        self.energy_drift, self.measured = self._statistics.energy_drift, self._statistics.measured
-        self.changing = self._statistics.changing
-
-    def _renew_momenta(self, *_: object) -> None:
-        origin = self._statistics.origin
-        if origin is not None:
-            self.momenta = self._columns(MOMENTA, origin.time)
-            self.momentum_drift = self._statistics.momentum_drift
 
     def _columns(self, names: tuple[str, ...], since: float) -> Floats:
         """Return columns of the sums; of many rows, every k-th one."""

@@ -171,20 +171,15 @@ def test_slow_steps_are_summed_up_less_often_and_recording_is_a_part_of_them(
     assert not session.runner.statistics.energies_due(session.messages.now + 0.29)
 
 
-def test_lines_are_renewed_by_turns_a_part_a_frame(open_session) -> None:
+def test_lines_are_renewed_a_few_times_a_second(open_session) -> None:
     session = open_session("gas", 100)
-    traces, renewed = session.traces, []
-    for k in range(120):
-        before = [traces.frames.copy(), traces.stats, traces.energies, traces.momenta]
+    traces, renewed = session.traces, 0
+    for _ in range(120):
+        before = traces.frames.copy()
         run(session, FRAME)
         traces.refresh(session.frame, session.messages.now)
-        after = [traces.frames, traces.stats, traces.energies, traces.momenta]
-        changed = [not np.array_equal(old, new) for old, new in zip(before, after, strict=True)]
-        if k > 0:
-            renewed.append(changed)
-    parts = np.array(renewed)
-    assert parts.sum(axis=1).max() == 1
-    assert (parts.sum(axis=0) >= 5).all()
+        renewed += not np.array_equal(before, traces.frames)
+    assert 8 <= renewed <= 15
 
 
 def test_the_stack_of_times_adds_up() -> None:
