@@ -20,9 +20,9 @@ tune                    a map of the times of the search over leaf capacity and 
 cli                     the command `jostle`
 ======================= ========================================================================
 
-Below all of them are `schema` (the settings), `interrupt` (Ctrl-C), `launcher` (the number of ranks)
-and `article` (the programs of 2015). `pyproject.toml` of the repository has these rules, and `make
-lint` checks them.
+Below all of them are `schema` (the settings), `interrupt` (Ctrl-C), `launcher` (the number of
+ranks) and `article` (the programs of 2015). `pyproject.toml` of the repository has these rules, and
+`make lint` checks them.
 
 Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user
 changes it through `Engine.edit`. The library never imports this package.
