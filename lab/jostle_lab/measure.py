@@ -196,7 +196,7 @@ class Traces:
         self.top = 20.0  # upper end of the axis of milliseconds: 1, 2 or 5 times a power of ten
         self.count, self.stats = 0, StepStats()  # particles, and the numbers of the last step
         self.energy_drift = self.momentum_drift = self.measured = 0.0  # as in `Statistics`
-        self.changing = False
+        self.changing, self._done = False, -math.inf
         self._forget()
 
     def refresh(self, frame: Frame, now: float) -> None:
@@ -227,7 +227,7 @@ class Traces:
         # Sums since the last change of the rules; the potential energy is 0 at their beginning.
         self.energies = np.zeros((len(ENERGIES), 0))
         self.momenta = np.zeros((len(MOMENTA), 0))
-        self._done: float = -np.inf
+        self._done = -math.inf
 
     def _renew_times(self, now: float) -> None:
         times = self._statistics.times
