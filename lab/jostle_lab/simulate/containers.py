@@ -1,6 +1,7 @@
 """Containers: their bounds, another kind or size, and free positions inside for discs."""
 
 import math
+import re
 from typing import Annotated
 
 import numpy as np
@@ -12,7 +13,7 @@ import jostle
 from jostle_lab.schema import FARTHEST, FORBID, ContainerKind, Count, Region, fault
 from jostle_lab.simulate.forces import Ends, clear_of
 from jostle_lab.simulate.frame import Frame, Rect
-from jostle_lab.simulate.region import Container, Torus
+from jostle_lab.simulate.region import Container, Torus, set_container
 
 Floats = NDArray[np.floating]
 
@@ -173,36 +174,19 @@ def are_inside(positions: Floats, radii: Floats, container: Container) -> NDArra
 
 # Random directions, and free positions
 
-TRIES = 8  # points in a square; with probability 1/220,000 none of them is in the disc
-ROUNDS = 24
-ATTEMPTS, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round
 NEAR = 1.02  # times the radius, as the least distance
-
-
-def in_disc(tries: Floats) -> Floats:
-    """Return points distributed evenly over the disc of radius 1, from points in a square.
-
-    Of each row of `tries`, (n, `TRIES`, 2) from 0 to 1, the first that is in the disc is used.
-    """
-    points = 2 * tries - 1
-    inside: NDArray[np.bool_] = (points * points).sum(axis=2) <= 1
-    first = points[np.arange(len(points)), inside.argmax(axis=1)]
-    found = inside.any(axis=1)
-    chosen: Floats = first * np.where(found, 1.0, 0.5)[:, None]
-    return chosen
 
 
 def random_in_disc(rng: np.random.Generator, count: int) -> Floats:
     """Return random points distributed evenly over the disc of radius 1."""
-    return in_disc(rng.random((count, TRIES, 2)))
+    return directions(rng, count) * np.sqrt(rng.random((count, 1)))
 
 
 def directions(rng: np.random.Generator, count: int) -> Floats:
     """Return random vectors of length 1."""
-    points = random_in_disc(rng, count)
-    lengths: Floats = np.sqrt((points * points).sum(axis=1))
-    points[lengths == 0], lengths[lengths == 0] = (1, 0), 1
-    return points / lengths[:, None]
+    points = rng.normal(size=(count, 2))
+    ways: Floats = points / np.sqrt((points * points).sum(axis=1, keepdims=True))
+    return ways
 
 
 def free_positions(
@@ -215,30 +199,19 @@ def free_positions(
     walls: Ends,
 ) -> tuple[Floats, NDArray[np.intp]]:
     """Return random free positions for discs, and the rows of the discs that have one."""
-    rng = np.random.default_rng([seed, len(taken), len(radii)])
-    rect = np.array(common(bounds(container), view)).reshape(2, 2)
-    places = np.zeros((len(radii), 2))
-    found = np.zeros(len(radii), np.bool_)
-    images, _ = wall_images(container, walls, float(np.max(radii, initial=0.0)))
-    there, sizes = np.asarray(taken, np.float64), np.asarray(taken_radii, np.float64)
-    for _ in range(ROUNDS):
-        left = np.flatnonzero(~found)
-        if len(left) == 0:
-            break
-        who = np.resize(left, min(max(ATTEMPTS * len(left), LEAST), MOST))
-        tries = moved_inside(rng.uniform(rect[0], rect[1], (len(who), 2)), radii[who], container)
-        clear = _clear_of(tries, radii[who], there, sizes)
-        free = np.flatnonzero(clear & clear_of(tries, radii[who], images))
-        _, first = np.unique(who[free], return_index=True)
-        taken_now = free[first]  # one position per disc
-        taken_now = taken_now[_apart(tries[taken_now], radii[who[taken_now]])]
-        if len(taken_now) == 0:
-            break
-        chosen = who[taken_now]
-        places[chosen], found[chosen] = tries[taken_now], True
-        there = np.concatenate([there, tries[taken_now]])
-        sizes = np.concatenate([sizes, radii[chosen]])
-    return places[found], np.flatnonzero(found)
+    world = jostle.World(taken, taken_radii, walls=walls)
+    set_container(world, container)
+    x0, y0, x1, y1 = common(bounds(container), view)
+    around, rows = float(np.min(radii, initial=1e6)), np.argsort(-radii, kind="stable")
+    region = jostle.Box(x0 - around, y0 - around, x1 + around, y1 + around)  # of whole discs
+    rows = rows[radii[rows] <= around + min(x1 - x0, y1 - y0) / 2]
+    while len(rows):  # the library finds room for the largest first, or says for how many
+        try:
+            return world.free_positions(len(rows), radii[rows], region=region, seed=seed), rows
+        except ValueError as error:
+            found = re.search(r"there is room for (\d+)", str(error))
+            rows = rows[: int(found[1]) if found else 0]
+    return np.zeros((0, 2)), rows
 
 
 def free_among(places: Floats, radius: float, frame: Frame) -> NDArray[np.intp]:

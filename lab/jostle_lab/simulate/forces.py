@@ -183,28 +183,15 @@ def nearest(ends: Floats, point: Point) -> tuple[int, float]:
     """Return the row of the nearest wall and its distance; -1 and inf if there is none."""
     if len(ends) == 0:
         return -1, np.inf
-    gaps = _distances(np.array([point]), ends)
-    row = int(np.argmin(gaps))
-    return row, float(gaps[row])
+    near = jostle.Quadtree(segments=ends.astype(np.float64)).nearest(point)
+    return int(near.ids[0]), float(near.distances[0])
 
 
 def clear_of(positions: Floats, radii: Floats, ends: Floats) -> NDArray[np.bool_]:
     """Return which discs overlap no wall."""
     clear = np.ones(len(positions), np.bool_)
     if len(ends) and len(positions):
-        boxes = np.concatenate([ends.min(axis=1), ends.max(axis=1)], axis=1)
         discs = jostle.Quadtree(positions.astype(np.float64), radii.astype(np.float64))
-        near, wall = discs.pairs(jostle.Quadtree(boxes=boxes.astype(np.float64))).T.astype(np.intp)
-        overlap = _distances(positions[near], ends[wall]) < radii[near]
-        clear[near[overlap]] = False
+        walls = jostle.Quadtree(segments=ends.astype(np.float64))
+        clear[discs.pairs(walls)[:, 0]] = False
     return clear
-
-
-def _distances(points: Floats, ends: Floats) -> Floats:
-    """Return the distance of each point from the wall of the same row."""
-    start, along = ends[:, 0].astype(np.float64), np.diff(ends.astype(np.float64), axis=1)[:, 0]
-    offset = points - start
-    share = (offset * along).sum(axis=1) / (along * along).sum(axis=1)
-    away = offset - np.clip(share, 0.0, 1.0)[:, None] * along
-    distances: Floats = np.sqrt((away * away).sum(axis=1))
-    return distances
