@@ -202,7 +202,7 @@ def free_positions(
     world = jostle.World(taken, taken_radii, walls=walls)
     set_container(world, container)
     x0, y0, x1, y1 = common(bounds(container), view)
-    around, rows = float(np.min(radii, initial=1e6)), np.argsort(-radii, kind="stable")
+    around, rows = float(np.min(radii, initial=FARTHEST)), np.argsort(-radii, kind="stable")
     region = jostle.Box(x0 - around, y0 - around, x1 + around, y1 + around)  # of whole discs
     rows = rows[radii[rows] <= around + min(x1 - x0, y1 - y0) / 2]
     while len(rows):  # the library finds room for the largest first, or says for how many
