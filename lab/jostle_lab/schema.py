@@ -340,7 +340,7 @@ def kind_of(name: str) -> str:
         if get_origin(part) is Literal:
             return "|".join(get_args(part))
     if any(get_origin(part) is tuple for part in parts):
-        return "number or list"
+        return "text or list" if str in parts else "number or list"
     words = {bool: "true|false", int: "whole number", float: "number", str: "text"}
     return next(words[part] for part in parts if part in words)
 
@@ -379,8 +379,10 @@ def wrong(name: str, value: object) -> str | None:
 RULES = {
     "dataclass_type": "it must be a table",
     "tuple_type": "it must be a list",
-    "too_long": "it may have at most {max_length:,} entries",
-    "too_short": "it must have at least {min_length:,} entries",
+    "too_long": "it may have at most {max_length} entries",
+    "too_short": "it must have at least {min_length} entries",
+    "greater_than_equal": "it must be at least {ge}",
+    "less_than_equal": "it must be at most {le}",
     "bool_type": "it must be true or false",
     "int_type": "it must be a whole number",
     "float_type": "it must be a number",
@@ -400,11 +402,22 @@ def sentence(error: ValidationError, kind: Any, within: str = "", known: Iterabl
         return f"{key} is missing"
     if first["type"] == "fault at":
         return f"{key}.{first['msg']}".lstrip(".")
+    rule = first["msg"].replace("Input should be", "it must be")
     if first["type"] in RULES:
-        rule = RULES[first["type"]].format(**first.get("ctx", {}))
-    else:
-        rule = first["msg"].replace("Input should be", "it must be").replace("0" * 18, "e18")
+        limits = {name: _number(limit) for name, limit in first.get("ctx", {}).items()}
+        rule = RULES[first["type"]].format(**limits)
     return f"{key} is {shown(first['input'])}; {rule}"
+
+
+def _number(limit: object) -> str:
+    """Return a limit in the form 1e+18 or 1,000."""
+    return (
+        f"{limit:,}"
+        if isinstance(limit, int)
+        else f"{limit:g}"
+        if isinstance(limit, float)
+        else str(limit)
+    )
 
 
 def _fields_at(kind: Any, path: Iterable[str | int]) -> list[str]:

@@ -55,7 +55,7 @@ def test_the_version_is_that_of_both_packages(jostle_command) -> None:
     ("arguments", "words"),
     [
         (["run", "nowhere"], "nowhere is not a scene; there are article, "),
-        (["run", "-n", "-1"], "-n is -1; it must be greater than or equal to 0"),
+        (["run", "-n", "-1"], "-n is -1; it must be at least 0"),
         (["run", "-n", "many"], "-n is 'many'; it must be a whole number"),
         (["run", "--method", "magic"], "--method is 'magic'"),
         (["run", "--steps", "0"], "Invalid value for '--steps'"),

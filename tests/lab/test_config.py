@@ -1,6 +1,5 @@
 """Scenes in TOML: what is right arrives, what is wrong is refused by its key."""
 
-import sys
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle_lab.schema import Group, Polyline, Settings
+from jostle_lab.simulate import start as start_module
 from jostle_lab.simulate.forces import clear_of
 from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.region import Torus
@@ -21,11 +21,6 @@ from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.storage.config import Config, ConfigError, Window, config_text, read_config
 from jostle_lab.storage.scene_file import read_scene, scene_bytes
-
-if sys.version_info >= (3, 11):
-    pass
-else:
-    pass
 
 REALS, SHARES = st.floats(-1e18, 1e18), st.floats(0, 1)
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
@@ -127,15 +122,15 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
         ),
         ("n = true", "scene.toml: n is true; it must be a whole number"),
         ("n = 1.5", "n is 1.5; it must be a whole number"),
-        ("n = -1", "n is -1; it must be greater than or equal to 0"),
-        ("drag = nan", "drag is nan; it must be less than or equal to 1e18"),
+        ("n = -1", "n is -1; it must be at least 0"),
+        ("drag = nan", "drag is nan; it must be at most 1e+18"),
         (
             "gravity = [\n  0,\n  1,\n  2,\n]",
             "gravity is [0, 1, 2]; it may have at most 2 entries",
         ),
         (
             "n = 1\n\n[window]\nsize = [\n 0, 10]",
-            "window.size[0] is 0; it must be greater than or equal to 64",
+            "window.size[0] is 0; it must be at least 64",
         ),
         ("window = 3", "window is 3; it must be a table"),
         ("window.size = 3", "window.size is 3; it must be a list"),
@@ -162,14 +157,14 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
         ),
         (
             WALL + "restitution = 2",
-            "walls[0].restitution is 2; it must be less than or equal to 1",
+            "walls[0].restitution is 2; it must be at most 1",
         ),
-        (WALL + "friction = -1", "walls[0].friction is -1; it must be greater than or equal to 0"),
+        (WALL + "friction = -1", "walls[0].friction is -1; it must be at least 0"),
         (WALL + "velocity = 3", "walls[0].velocity is 3; it must be a list"),
-        (WALL + "cycle = 0", "walls[0].cycle is 0; it must be greater than or equal to 0.001"),
+        (WALL + "cycle = 0", "walls[0].cycle is 0; it must be at least 0.001"),
         (
             "container_restitution = [1, 1, 2, 1]",
-            "container_restitution[2] is 2; it must be less than or equal to 1",
+            "container_restitution[2] is 2; it must be at most 1",
         ),
         (
             "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
@@ -182,7 +177,7 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
         ),
         (
             "[[particles]]\n[[particles]]\ncount = 2\nmasks = [1, -1]",
-            "particles[1].masks[1] is -1; it must be greater than or equal to 0",
+            "particles[1].masks[1] is -1; it must be at least 0",
         ),
         (
             "[[particles]]\ncount = 3\ncategories = [1, 2]",
@@ -194,19 +189,19 @@ WALL = "[[walls]]\npoints = [[0, 0], [1, 2]]\n"
         ),
         (
             "[[particles]]\nmasks = 4294967296",
-            "particles[0].masks is 4294967296; it must be less than or equal to 4294967295",
+            "particles[0].masks is 4294967296; it must be at most 4,294,967,295",
         ),
         (
             "[[particles]]\nradius = [3, 1]",
             "particles[0].radius is [3, 1]; it must be [smallest, largest]",
         ),
         ("[[particles]]\nregion = [0, 0, -1, 1]", "particles[0].region is [0, 0, -1, 1]; it must"),
-        ("gravity = [nan, 0]", "gravity[0] is nan; it must be less"),
+        ("gravity = [nan, 0]", "gravity[0] is nan; it must be at most 1e+18"),
         (
             'scene = "life"\nmatrix = "chess"',
             "matrix is 'chess', which is not a matrix; did you mean",
         ),
-        ("matrix = [[1, 2], [0, 0]]", "matrix[0][1] is 2; it must be less than or equal to 1"),
+        ("matrix = [[1, 2], [0, 0]]", "matrix[0][1] is 2; it must be at most 1"),
         ("matrix = [[1, 0]]", "matrix is [[1, 0]]"),
         ("matrix = []", "matrix is []"),
         (
@@ -234,6 +229,11 @@ def test_what_is_wrong_is_refused_by_its_key(tmp_path, text: str, sentence: str)
             "particles[1].region is [40, 0, 50, 10]; it must overlap the walls, from (0, 0) to",
         ),
         (
+            "count = 100\nregion = [9, 9, 10, 10]\nradius = 1",
+            "particles[1].count is 100; discs of radius 1 at least need more area than there is in "
+            "its region",
+        ),
+        (
             "count = 2000\nradius = [1, 2]",
             "particles[1].count is 2000; discs of radius 1 at least need more area than there is",
         ),
@@ -246,6 +246,19 @@ def test_a_group_that_cannot_be_between_the_walls_is_refused(
     with pytest.raises(ValueError) as caught:
         start(read(tmp_path, text).settings)
     assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("allowed", ["sensor = true", "categories = 0b10\nmasks = 0b01"])
+def test_particles_that_do_not_push_each_other_may_share_a_region(tmp_path, allowed: str) -> None:
+    text = "scene = 'gas'\nn = 0\n[[particles]]\ncount = 100\nregion = [9, 9, 10, 10]\nradius = 1\n"
+    assert len(start(read(tmp_path, text + allowed).settings)) == 100
+
+
+def test_more_particles_than_the_memory_can_have_are_refused(monkeypatch) -> None:
+    monkeypatch.setattr(start_module, "_memory", lambda: 10**9)
+    with pytest.raises(ValueError, match=r"^99,999,999 particles are too many: .* 35 GB"):
+        start(Settings("gas", 99_999_999))
+    assert len(start(Settings("gas", 5))) == 5
 
 
 def test_walls_of_a_file_are_those_of_the_world(tmp_path: Path) -> None:
@@ -500,7 +513,7 @@ def test_a_file_is_text_in_utf_8_with_or_without_the_mark_that_some_editors_put_
         ('"' + "x" * 10_000 + '" = 1', "is not a setting; there are scene, n,"),
         ('"line\\nbreak" = 1', r"'line\nbreak' is not a setting"),
         ("[[particles]]\n" * 1_001, "it may have at most 1,000 entries"),
-        ("drag = 1e400", "drag is inf; it must be less"),
+        ("drag = 1e400", "drag is inf; it must be at most"),
         ('a = """\n\\', "scene.toml: "),
     ],
     ids=map(str, range(12)),

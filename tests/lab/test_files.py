@@ -228,7 +228,7 @@ SAID = {
     "deep.jostle": "its attachment is not of the simulator",
     "setting.jostle": "settings.seeb is not a setting; did you mean seed?",
     "shown.jostle": "shown.tree is 'outlime'; it must be 'off', 'outline'",
-    "nowhere.jostle": "camera.center is [0, nan]; it must be [x,",
+    "nowhere.jostle": "window.camera.center[1] is nan; it must be at most 1e+30",
 }
 
 
