@@ -209,16 +209,14 @@ def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surfa
     write(sheet, (PAD, PAD), RIVALS[contestant.method], TEXT, BODY)
     if ahead:
         write(sheet, (width - PAD, PAD), "ahead", ACCENT, BODY, flush_right=True)
-    numbers = [
-        ("steps", f"{contestant.steps:,}"),
-        ("ms per step", f"{contestant.engine.step_seconds * 1e3:,.2f}"),
-        ("simulated", f"{contestant.stats.time:.1f} s"),
-        ("kinetic", scientific(contestant.stats.kinetic_energy)),
-    ]
-    columns = [max(font(SMALL).size(text)[0] for text in number) for number in numbers]
-    gap, x = (width - 2 * PAD - sum(columns)) / (len(numbers) - 1), float(PAD)
-    for (name, value), column in zip(numbers, columns, strict=True):
-        write(sheet, (round(x), PAD + line + 4), name, TEXT_SOFT, SMALL)
-        write(sheet, (round(x), PAD + line + 4 + small), value, TEXT, SMALL)
-        x += column + gap
+    numbers = {
+        "steps": f"{contestant.steps:,}",
+        "ms per step": f"{contestant.engine.step_seconds * 1e3:,.2f}",
+        "simulated": f"{contestant.stats.time:.1f} s",
+        "kinetic": scientific(contestant.stats.kinetic_energy),
+    }
+    for k, (name, value) in enumerate(numbers.items()):
+        x = PAD + k * (width - PAD) // len(numbers)
+        write(sheet, (x, PAD + line + 4), name, TEXT_SOFT, SMALL)
+        write(sheet, (x, PAD + line + 4 + small), value, TEXT, SMALL)
     return sheet
