@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jostle
-from jostle.record import Film, record, write_csv, write_png, write_states
+from jostle.record import Film, record, write_png, write_states
 from jostle.record.picture import STAGE, Camera
 
 imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
@@ -196,17 +196,6 @@ def test_gsd_has_the_schema_of_hoomd(tmp_path: Path) -> None:
             np.testing.assert_array_equal(frame.particles.mass, state.masses)
             np.testing.assert_array_equal(frame.log["particles/id"], state.ids)
             assert frame.log["time"] == [state.time]
-
-
-def test_a_table_of_any_columns(tmp_path: Path) -> None:
-    numbers = np.array([1 / 3, 1e30, -0.0, np.nan])
-    write_csv(tmp_path / "t.csv", {"a": numbers, "b": numbers.astype(np.float32), "n": range(4)})
-    found = np.loadtxt(tmp_path / "t.csv", delimiter=",", skiprows=1)
-    np.testing.assert_array_equal(found[:, 0], numbers)
-    np.testing.assert_array_equal(found[:, 1].astype(np.float32), numbers.astype(np.float32))
-    assert (tmp_path / "t.csv").read_text().splitlines()[::4] == ["a,b,n", "nan,nan,3"]
-    with pytest.raises(ValueError):
-        write_csv(tmp_path / "t.csv", {"a": [1, 2], "b": [1]})
 
 
 def test_a_png_is_the_picture(tmp_path: Path) -> None:

@@ -15,8 +15,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 import jostle
-from jostle.record import write_csv, write_png, write_states
+from jostle.record import write_png, write_states
+from jostle.writing import NewFile
 from jostle.writing import write as write_file
 from jostle_lab.act.interaction import Messages
 from jostle_lab.draw.camera import Camera, Size
@@ -163,11 +166,12 @@ class Files:
     def export_csv(self) -> None:
         """Write the present particles, and the sums over time, as CSV."""
         sums = self._runner.statistics.sums
-        table = {name: sums[name].copy() for name in sums.names}
+        header, rows = ",".join(sums.names), sums.table.T.copy()
 
         def write(path: Path, states: list[bytes]) -> None:
             _write_states(path, states)
-            write_csv(path.with_name(path.stem + "-energies.csv"), table)
+            with NewFile(path.with_name(path.stem + "-energies.csv")) as new:
+                np.savetxt(new.path, rows, "%.17g", ",", header=header, comments="")
 
         self._export_states(".csv", lambda simulation: [simulation.save()], write)
 

@@ -11,7 +11,7 @@ suffix of the file is the format:
 `.npz`   arrays with the same bits, for `numpy.load`
 ======== =======================================================================================
 
-`Film` makes a film of pictures of your own; `write_png` and `write_csv` write one picture or table.
+`Film` makes a film of pictures of your own, `write_png` writes one.
 Films, pictures and `.gsd` need ``pip install 'jostle[record]'``, the others NumPy alone.
 
 A new file replaces an old one when it is complete. After an error or Ctrl-C the old file is as it
@@ -27,6 +27,6 @@ Examples
 """
 
 from jostle.record.films import Film, write_png
-from jostle.record.states import record, write_csv, write_states
+from jostle.record.states import record, write_states
 
-__all__ = ["Film", "record", "write_csv", "write_png", "write_states"]
+__all__ = ["Film", "record", "write_png", "write_states"]

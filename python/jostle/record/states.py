@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 import operator
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from jostle._core import World
 from jostle.record.films import Film, extra, format_of
@@ -20,7 +20,6 @@ from jostle.writing import NewFile
 LONGEST = {".mp4": 1280, ".gif": 640}  # pixels of the longer side
 SLOWEST, FASTEST = 10.0, {".mp4": 60.0, ".gif": 50.0}  # pictures per second
 
-_COLUMNS = ("time", "id", "x", "y", "vx", "vy", "radius", "mass")
 _ARRAYS = ("ids", "positions", "velocities", "angles", "angular_velocities", "radii", "masses")
 
 
@@ -159,12 +158,14 @@ def _write_film(path: Path, states: Iterable[World], rate: float, longest: int) 
 
 
 def _write_csv(path: Path, states: Iterable[World]) -> None:
+    line = "%.17g,%d" + ",%.9g" * 6 + "\n"  # the digits that distinguish any two of their type
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write(",".join(_COLUMNS) + "\n")
+        file.write("time,id,x,y,vx,vy,radius,mass\n")
         for world in states:
-            times = np.full(len(world), world.time)
             motion = *world.positions.T, *world.velocities.T
-            _write_rows(file, (times, world.ids, *motion, world.radii, world.masses))
+            columns = (world.ids, *motion, world.radii, world.masses)
+            rows = zip(*(column.tolist() for column in columns), strict=True)
+            file.writelines(line % (world.time, *row) for row in rows)
 
 
 def _write_npz(path: Path, states: Iterable[World]) -> None:
@@ -211,40 +212,3 @@ def _upwards(vectors: NDArray[np.floating]) -> NDArray[np.float32]:
 
 
 _WRITERS = {".gsd": _write_gsd, ".csv": _write_csv, ".npz": _write_npz}
-
-
-def write_csv(path: str | os.PathLike[str], columns: Mapping[str, ArrayLike]) -> None:
-    """Write columns of numbers as a table with a row of names.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-    columns : mapping of str to array_like, shape (n,)
-        Names and numbers, which are written so that reading them gives the same bits.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written. Then an old file is as it was.
-
-    Examples
-    --------
-    >>> from jostle.record import write_csv
-    >>> write_csv("energy.csv", {"time": [0, 1], "energy": [2.0, 1.5]})
-    >>> print(open("energy.csv").read(), end="")
-    time,energy
-    0,2
-    1,1.5
-    """
-    with NewFile(Path(path)) as new, new.path.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(",".join(columns) + "\n")
-        _write_rows(file, [np.asarray(column) for column in columns.values()])
-
-
-def _write_rows(file: TextIO, columns: Sequence[NDArray[Any]]) -> None:
-    """Write numbers with the digits that distinguish any two of their type."""
-    formats = {np.dtype(np.float32): "%.9g", np.dtype(np.float64): "%.17g"}
-    line = ",".join(formats.get(column.dtype, "%d") for column in columns) + "\n"
-    rows = zip(*(column.tolist() for column in columns), strict=True)
-    file.writelines(line % row for row in rows)
