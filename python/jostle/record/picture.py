@@ -13,7 +13,7 @@ from jostle.record.films import GROUND, Pixels, extra
 
 Rect = tuple[float, float, float, float]
 
-FINE = 4  # drawn at this multiple of the size, and then averaged
+FINE = 3  # drawn at this multiple of the size, and then averaged
 MARGIN = 0.03  # around the world, as a share of its longer side
 RIM, RIM_SHADE, RIM_FROM = (
     1.4,
