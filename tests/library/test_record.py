@@ -113,6 +113,31 @@ def test_a_container_has_a_ground_and_an_edge() -> None:
     assert left.sum() > right.sum() + 60, "a fast disc is brighter"
 
 
+@pytest.mark.parametrize("radius", [40.0, 1e3, 1e5, 1e7, 1e9])
+def test_a_disc_of_any_size_covers_what_is_inside_of_it(radius: float) -> None:
+    camera = Camera(jostle.World(container=BOX), 400)
+    rows, columns = np.indices(camera.size[::-1]) + 0.5
+    for x, y in ((20 - radius, 10), (20, 10 + radius), (20 - 0.6 * radius, 10 - 0.8 * radius)):
+        places = [np.float32(x), np.float32(y)]
+        world = jostle.World([places], radius)
+        picture = camera.picture(world).astype(int)
+        center = (np.array(places, float) - camera._corner) * camera._scale
+        depth = radius * camera._scale - np.hypot(columns - center[0], rows - center[1])
+        covered = np.abs(picture - picture[-1, -1]).sum(axis=2) > 60
+        if depth[-1, -1] > 0:
+            covered = ~covered
+        assert (covered == (depth > 0))[np.abs(depth) > 3].all()
+
+
+def test_discs_that_are_far_away_leave_no_trace() -> None:
+    near, picture = jostle.World([(0, 0), (5, 0)], 1.0), []
+    camera = Camera(near, 320)
+    for far in (1e3, 1e6, 1e9, 1e15):
+        world = jostle.World([(0, 0), (far, -far)], 1.0)
+        picture.append(camera.picture(world))
+        assert (picture[-1] == picture[0]).all()
+
+
 @pytest.mark.parametrize("name", WORLDS)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_every_world_is_written_in_every_format(tmp_path: Path, name: str, suffix: str) -> None:

@@ -20,6 +20,7 @@ RIM, RIM_SHADE, RIM_FROM = (
     0.68,
     3.0,
 )  # width in pixels, brightness, and the radius that has one
+LEAST, HUGE = 0.6, 30_000.0  # pixels; of larger discs only the part near the canvas is drawn
 FAST = 2.5  # times the root mean square speed: the speed of the last colour
 DECAY = 0.995  # per picture, of that speed
 
@@ -71,31 +72,36 @@ class Camera:
         draw = self._draw(canvas)
         container, period = world.container, world.period
         if container is not None or period is not None:
-            low, high = self._pixels(np.array(bounds_of(world)).reshape(2, 2))
+            low, high = self._pixels(np.array(bounds_of(world)).reshape(2, 2)).tolist()
             shape = draw.ellipse if isinstance(container, Circle) else draw.rectangle
             shape((*low, *high), STAGE, None if container is None else WALL, 2 * FINE)
         self._discs(draw, world)
-        for start, end in self._pixels(world.walls.segments):
+        for start, end in self._pixels(world.walls.segments).tolist():
             draw.line((*start, *end), WALL, 2 * FINE)
         return np.asarray(canvas.reduce(FINE))
 
-    def _pixels(self, points: NDArray[Any]) -> Any:
-        return ((points - self._corner) * (self._scale * FINE)).tolist()
+    def _pixels(self, points: NDArray[Any]) -> NDArray[np.float64]:
+        """Return places on the canvas."""
+        return (points - self._corner) * (self._scale * FINE)
 
     def _discs(self, draw: Any, world: World) -> None:
         colours = self._colours_of(world)
         rims = (colours * RIM_SHADE).astype(np.uint8)
-        columns = world.radii * self._scale, world.sensors, colours.astype(np.uint8), rims
-        rows = [column.tolist() for column in columns]
+        size, edge = FINE * np.array(self.size), max(round(RIM * FINE), 1)
+        reach = np.maximum(world.radii.astype(np.float64) * self._scale, LEAST) * FINE
+        columns = reach, world.sensors, colours.astype(np.uint8), rims
         for shift in _images(world.period):
             centers = self._pixels(world.positions + shift)
-            for (x, y), radius, sensor, colour, rim in zip(centers, *rows, strict=True):
-                reach = max(radius, 0.6) * FINE
-                box = x - reach, y - reach, x + reach, y + reach
-                edge = max(round(RIM * FINE), 1)
-                if sensor:
+            gaps = np.maximum(np.maximum(-centers, centers - size), 0)  # to the canvas
+            seen = (gaps < reach[:, None]).all(axis=1)
+            rows = [column[seen].tolist() for column in (centers, *columns)]
+            for (x, y), radius, sensor, colour, rim in zip(*rows, strict=True):
+                box = x - radius, y - radius, x + radius, y + radius
+                if radius > HUGE:
+                    draw.polygon(_part(x, y, radius, size), tuple(colour))
+                elif sensor:
                     draw.ellipse(box, None, tuple(colour), edge)
-                elif radius < RIM_FROM:
+                elif radius < RIM_FROM * FINE:
                     draw.ellipse(box, tuple(colour))
                 else:
                     draw.ellipse(box, tuple(colour), tuple(rim), edge)
@@ -120,3 +126,16 @@ def _images(period: NDArray[np.float64] | None) -> NDArray[np.float64]:
         return np.zeros((1, 2))
     near = np.array([-1, 0, 1])
     return np.stack(np.meshgrid(*np.outer(period, near)), axis=-1).reshape(-1, 2)
+
+
+def _part(x: float, y: float, radius: float, size: NDArray[np.int64]) -> list[tuple[float, float]]:
+    """Return the corners of the part of a disc, which is much larger than the canvas, around it."""
+    reach = 2.0 * float(size.sum())  # beyond the canvas in any direction
+    across, down = size[0] / 2 - x, size[1] / 2 - y
+    distance = math.hypot(across, down)
+    if distance + reach < radius:  # the canvas is inside
+        return [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)]
+    way = math.atan2(down, across) + np.linspace(-1, 1, 65) * reach / distance
+    ring = np.stack([np.cos(way), np.sin(way)], axis=1)
+    inner, outer = ring * max(distance - reach, 0.0), ring[::-1] * radius
+    return [(x + dx, y + dy) for dx, dy in np.concatenate([inner, outer]).tolist()]
