@@ -79,7 +79,7 @@ def test_without_opengl_a_video_is_recorded(monkeypatch, jostle_command, tmp_pat
         raise moderngl.Error("no card")
 
     monkeypatch.setattr(moderngl, "init_context", fail)
-    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
+    monkeypatch.setattr(cli.runs, "has_display", lambda: True)
     arguments = "run", "gas", "-n", "20", "--steps", "2", "--out", str(tmp_path)
     words = " ".join(jostle_command.run(*arguments)[1].split())
     assert "No window (there is no OpenGL 3.3 here: no card; Mesa has one" in words
@@ -123,7 +123,7 @@ def test_without_a_window_a_run_becomes_a_film(monkeypatch, jostle_command, tmp_
         raise pygame.error("no video device")
 
     monkeypatch.setattr(headless, "PATIENCE", 0.01)
-    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
+    monkeypatch.setattr(cli.runs, "has_display", lambda: True)
     monkeypatch.setattr(pygame.display, "set_mode", refuse)
     code, printed, _ = jostle_command.run("run", "gas", "-n", 5, "--steps", 2, "--out", tmp_path)
     assert code == 0 and "no video device" in printed

@@ -100,7 +100,7 @@ def test_without_imgui_the_command_names_the_python_that_has_it(
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: find(name) if name != "imgui_bundle" else None
     )
-    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
+    monkeypatch.setattr(cli.runs, "has_display", lambda: True)
     assert "needs Python 3.11" in jostle_command.refuses("run", "gas")
 
 

@@ -14,7 +14,7 @@ from jostle_lab.launcher import is_started_by_mpi
 from jostle_lab.schema import MAX_PARTICLES, SCALARS, Settings, about, kind_of, unknown
 
 from .refusals import check_file, check_folder, check_scene, console, refuse
-from .runs import has_display, open_source, record, show
+from .runs import open_source, record, show
 from .values import given_settings
 
 DEFAULT_SCENE = Settings().scene
@@ -100,7 +100,7 @@ def run(
     opened = open_source(source, given)
     why_no_window = None
     if not headless:
-        why_no_window = show(opened, steps) if has_display() else "there is no display"
+        why_no_window = show(opened, steps)
         if why_no_window is None:
             return
     check_folder(out)

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from jostle_lab.draw.camera import Camera, Size
     from jostle_lab.draw.view_options import ViewOptions
     from jostle_lab.storage.scene_file import SavedScene
+    from jostle_lab.window import Window
+
+
+NO_IMGUI = "the window needs Python 3.11 or newer"
 
 
 @dataclass(frozen=True)
@@ -82,8 +86,22 @@ def _open_scene(path: Path, given: Mapping[str, Any]) -> Opened:
 
 def show(opened: Opened, steps: int | None) -> str | None:
     """Run in a window; return the reason if none can be opened."""
+    window = open_window(opened, steps)
+    if window == NO_IMGUI:
+        refuse(f"{window}; --headless records a video")
+    if isinstance(window, str):
+        return window
+    with interrupt.raised():
+        window.run()
+    return None
+
+
+def open_window(opened: Opened, steps: int | None) -> Window | str:
+    """Return a window, or the reason if none can be opened."""
+    if not has_display():
+        return "there is no display"
     if importlib.util.find_spec("imgui_bundle") is None:
-        refuse("the window needs Python 3.11 or newer; --headless records a video")
+        return NO_IMGUI
     import pygame
 
     from jostle_lab.draw.screen import NoOpenGLError
@@ -94,9 +112,7 @@ def show(opened: Opened, steps: int | None) -> str | None:
     except (NoOpenGLError, pygame.error) as error:
         return str(error)
     opened.show(window.session.camera, window.session.view_options)
-    with interrupt.raised():
-        window.run()
-    return None
+    return window
 
 
 def record(opened: Opened, steps: int | None, out: Path) -> None:
