@@ -68,6 +68,7 @@ lint: setup  ## check format, style and types
 	$(BIN)/ruff format --check
 	$(BIN)/python docs/check_types.py
 	$(BIN)/python docs/stub.py --check
+	$(BIN)/python docs/settings.py --check
 	$(BIN)/python docs/check_docstrings.py
 	$(BIN)/lint-imports --no-cache --no-logo
 	$(BIN)/python -m mypy.stubtest jostle._core

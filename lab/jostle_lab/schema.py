@@ -159,17 +159,29 @@ class Group:
     """Particles that a file adds to a scene, at random free positions of a region."""
 
     count: Count = setting(1, "count", "number of particles")
-    region: Corners | None = setting(None, "region", "the whole view unless given")
+    region: Corners | None = setting(
+        None, "region", "[min_x, min_y, max_x, max_y]; the whole view unless given"
+    )
     radius: SizeRange = setting((5.0, 5.0), "radius", "a number, or [smallest, largest]")
     density: SizeRange = setting((1.0, 1.0), "density", "mass over radius²; a number or a range")
-    velocity: Vector = setting((0.0, 0.0), "velocity", "of all of them", unit="world units/s")
+    velocity: Vector = setting(
+        (0.0, 0.0), "velocity", "[x, y], of every particle", unit="world units/s"
+    )
     speed: SpeedRange = setting(
         (0.0, 0.0), "speed", "in any direction, added to the velocity", unit="world units/s"
     )
-    movable: Truth = setting(True, "movable", "others keep their velocity and push without a push")
-    sensor: Truth = setting(False, "sensor", "sensors report what touches them and do not push")
-    categories: Filter = setting(1, "categories", "bit set, or one for each particle")
-    masks: Filter = setting(EVERY_CATEGORY, "masks", "bit set, or one for each particle")
+    movable: Truth = setting(
+        True, "movable", "others keep their velocity, and push without being pushed"
+    )
+    sensor: Truth = setting(
+        False, "sensor", "drawn as a ring, bright while something touches it, and pushes nothing"
+    )
+    categories: Filter = setting(
+        1, "categories", "bit set of the collision filter, or one for each particle"
+    )
+    masks: Filter = setting(
+        EVERY_CATEGORY, "masks", "bit set of the collision filter, or one for each particle"
+    )
 
     @model_validator(mode="after")
     def _one_for_each(self) -> "Group":
@@ -186,20 +198,27 @@ class Polyline:
     """Walls from point to point."""
 
     points: Annotated[tuple[Vector, ...], Field(max_length=10_000)] = Field(
-        title="points", description="consecutive points must differ"
+        title="points", description="at least 2; consecutive points must differ"
     )
     closed: Truth = setting(False, "closed", "with a wall from the last point to the first")
     restitution: Share | None = setting(None, "restitution", "that of the particle unless given")
     friction: Coefficient | None = setting(None, "friction", "that of the particle unless given")
-    velocity: Vector = setting((0.0, 0.0), "velocity", "they stand still unless given")
+    velocity: Vector = setting((0.0, 0.0), "velocity", "[x, y]")
     cycle: Annotated[float, Strict(), Field(ge=0.001, le=FARTHEST)] | None = setting(
-        None, "cycle", "duration of the motion there and back; none unless given", unit="s"
+        None,
+        "cycle",
+        "duration of the motion there and back; unless given they never go back",
+        unit="s",
     )
     temperature: Size | None = setting(
-        None, "temperature", "kT: particles leave the walls as from a gas at this temperature"
+        None,
+        "temperature",
+        "kT: particles leave the walls as from a gas of this mean kinetic energy",
     )
     one_way: Truth = setting(
-        False, "one way", "solid only for what comes from the left of start → end: from (−dy, dx)"
+        False,
+        "one way",
+        "solid only for what comes from the left of the way: from the side of (−dy, dx)",
     )
     categories: Bits = setting(1, "categories", "bit set of the collision filter")
     masks: Bits = setting(EVERY_CATEGORY, "masks", "bit set of the collision filter")
@@ -229,7 +248,7 @@ class Settings:
 
     scene: str = setting("mixed", "scene", "as `jostle scenes` lists them")
     n: Count | None = setting(
-        None, "particles", "number of particles; that of the scene unless given",
+        None, "particles", "number of particles of the scene",
         slider=Slider(0, 1_000_000, log=True),
     )  # fmt: skip
     seed: Seed = setting(0, "seed", "the same seed gives the same run")
@@ -245,20 +264,25 @@ class Settings:
         1.0, "world size", "the container's sides, as a multiple of the scene's own",
         slider=Slider(0.25, 4.0, log=True, form="%.2f ×"),
     )  # fmt: skip
-    container: ContainerKind | None = setting(None, "container", "that of the scene unless given")
+    container: ContainerKind | None = setting(
+        None, "container", "what encloses the particles; a torus is periodic"
+    )
     gravity: Gravity | None = setting(
         None, "gravity", "[x, y], or a number, which points downwards", unit="world units/s²",
         slider=Slider(0.0, 2000.0, form="%.0f"),
     )  # fmt: skip
     drag: Coefficient | None = setting(
-        None, "drag", "share of the velocity that is lost", unit="1/s", slider=Slider(0.0, 5.0)
+        None, "drag", "rate at which velocities decrease", unit="1/s", slider=Slider(0.0, 5.0)
     )
     restitution: Share | None = setting(
-        None, "restitution", "of every particle; a contact has the square root of the product",
+        None, "restitution", "of every particle; contacts have the square root of both multiplied",
         slider=Slider(0.0, 1.0),
     )  # fmt: skip
     substeps: Annotated[int, Strict(), Field(ge=1, le=1_000)] | None = setting(
-        None, "sub-steps", "of each step; automatic unless given", slider=Slider(1, 32, log=True)
+        None,
+        "sub-steps",
+        "of each step; as many as it needs unless given",
+        slider=Slider(1, 32, log=True),
     )
     threads: Annotated[int, Strict(), Field(ge=1, le=1_024)] | None = setting(
         None, "threads", "all cores unless given", slider=Slider(1, 16)
@@ -272,7 +296,10 @@ class Settings:
         (), "particles", "groups in addition to the particles of the scene"
     )
     friction: Coefficient | None = setting(
-        None, "friction", "coefficient of friction of every particle", slider=Slider(0.0, 2.0)
+        None,
+        "friction",
+        "of every particle; contacts have the square root of both multiplied",
+        slider=Slider(0.0, 2.0),
     )
     sleeping: Truth | None = setting(None, "sleeping", "whether resting particles may fall asleep")
     walls: Annotated[tuple[Polyline, ...], Field(max_length=10_000)] = setting(
@@ -284,7 +311,7 @@ class Settings:
         "unless given",
     )  # fmt: skip
     wall_friction: Coefficient | None = setting(
-        None, "wall friction", "of walls drawn in the window; that of the particle unless given",
+        None, "wall friction", "of walls drawn in the window; that of the particles unless given",
         slider=Slider(0.0, 2.0),
     )  # fmt: skip
     matrix: (
@@ -292,7 +319,11 @@ class Settings:
             Annotated[str, Tag("~one")] | Annotated[Matrix, Tag("~list")], Discriminator(_kind)
         ]
         | None
-    ) = setting(None, "matrix", "of particle life: a name, or rows of numbers from −1 to 1")
+    ) = setting(
+        None,
+        "matrix",
+        "of particle life: a name such as dragons, or rows such as [[1, -0.5], [0.5, 1]]",
+    )
 
     @model_validator(mode="after")
     def _known_matrix(self) -> "Settings":

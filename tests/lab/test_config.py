@@ -1,6 +1,6 @@
 """Scenes in TOML: what is right arrives, what is wrong is refused by its key."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.region import Torus
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.storage.config import Config, ConfigError, Window, config_text, read_config
+from jostle_lab.storage.config import Config, ConfigError, config_text, read_config
 from jostle_lab.storage.scene_file import read_scene, scene_bytes
 
 REALS, SHARES = st.floats(-1e18, 1e18), st.floats(0, 1)
@@ -61,14 +61,6 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
     assert ((frame.radii[1500:1512] >= 12) & (frame.radii[1500:1512] <= 20)).all()
     assert (frame.velocities[1500:1512] == (60, 0)).all()
     np.testing.assert_array_equal(start(config.settings).frame().positions, frame.positions)
-
-
-def test_the_documents_name_every_entry() -> None:
-    page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
-    kinds = Settings, Group, Polyline, Window, ViewOptions
-    for name in {field.name for kind in kinds for field in fields(kind)}:
-        spelled = f"[[{name}]]" if name in ("particles", "walls") else name
-        assert f"`{spelled}`" in page, name
 
 
 def test_every_setting_arrives(tmp_path: Path) -> None:

@@ -15,9 +15,10 @@ from lab_command import Command
 from outputs import rows
 
 import jostle
+from jostle_lab.schema import Settings
 from jostle_lab.sweep.measures import MEASURES
-from jostle_lab.sweep.plan import PlanError, parse, plan
-from jostle_lab.sweep.run import do
+from jostle_lab.sweep.plan import SETTINGS, PlanError, parse, plan
+from jostle_lab.sweep.run import do, world_of
 from jostle_lab.sweep.table import Table, TableError
 
 OPTIONS = ["gas", "-n", "60", "--set", "restitution=0.8:1.0:3", "--seeds", "2", "--steps", "20"]
@@ -48,6 +49,15 @@ def test_settings_that_are_not_understood_are_refused(text: str) -> None:
         parse(text)
     with pytest.raises(PlanError, match="twice"):
         plan("gas", 10, ["drag=1", "drag=2"], 1, 1, 0, ["energy"])
+
+
+def test_gravity_is_that_of_the_command_and_of_files_and_every_number_is_swept() -> None:
+    assert {"leaf_capacity", "world_size", "container_restitution"} <= set(SETTINGS)
+    (run,) = plan("gas", 20, ["gravity=90", "world_size=2", "speed=0"], 1, 0, 0, [])
+    world = world_of(run)
+    assert world.gravity.tolist() == list(Settings(gravity=90).gravity) == [0, 90]
+    assert not world.velocities.any() and world.threads == 1
+    assert world.container != jostle.scenes.create("gas", n=20).container
 
 
 def test_a_plan_has_each_combination_with_each_seed() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from jostle_lab.schema import FORBID, Truth
@@ -56,16 +57,16 @@ class ColourBy(_Cycle):
 class ViewOptions:
     """The switches of a session or of a video."""
 
-    tree: TreeView = TreeView.OFF
-    colour_by: ColourBy = ColourBy.AUTO
-    contacts: Truth = False
-    forces: Truth = False
-    velocities: Truth = False
-    trails: Truth = False
-    labels: Truth = False
-    panels: Truth = True
-    statistics: Truth = True
-    help: Truth = False
+    tree: TreeView = Field(default=TreeView.OFF, description="how the quadtree is drawn")
+    colour_by: ColourBy = Field(default=ColourBy.AUTO, description="the quantity that colours show")
+    contacts: Truth = Field(default=False, description="contacts and their impulses")
+    forces: Truth = Field(default=False, description="forces between particles")
+    velocities: Truth = Field(default=False, description="velocities, as arrows")
+    trails: Truth = Field(default=False, description="where the particles were a moment ago")
+    labels: Truth = Field(default=False, description="number and speed of each particle")
+    panels: Truth = Field(default=True, description="the panels of the window")
+    statistics: Truth = Field(default=True, description="the statistics at the right")
+    help: Truth = Field(default=False, description="the list of keys and mouse actions")
 
     def update(self, values: Mapping[str, Any]) -> None:
         """Set options by name."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import tomli_w
-from pydantic import TypeAdapter
+from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass as checked
 
 from jostle_lab.draw.camera import Size
@@ -30,7 +30,9 @@ class ConfigError(ValueError):
 class Window:
     """The table [window] of a file."""
 
-    size: tuple[Pixels, Pixels] | None = None
+    size: tuple[Pixels, Pixels] | None = Field(
+        default=None, description="[width, height] of the window or of the video, in pixels"
+    )
 
 
 @dataclass(frozen=True)

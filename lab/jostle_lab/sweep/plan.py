@@ -6,10 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jostle
-from jostle_lab.schema import wrong
+from jostle_lab.schema import SCALARS, kind_of, wrong
 
-#: The settings of numbers that a sweep varies, and the factor of all initial velocities.
-SETTINGS = ("n", "restitution", "drag", "friction", "gravity", "substeps", "speed")
+#: The settings that a sweep varies: those that are one number, and the factor of all initial
+#: velocities. The others have no effect on the results, or an option of their own.
+SETTINGS = (
+    *(
+        name
+        for name in SCALARS
+        if "number" in kind_of(name)
+        and name not in ("seed", "threads", "time_scale", "wall_friction")
+    ),
+    "speed",
+)
 
 #: Values of one setting at most.
 _MOST_VALUES = 100_000
@@ -60,7 +69,11 @@ def parse(text: str) -> tuple[str, list[float]]:
     except ValueError:
         rule = "the values are FIRST:LAST:COUNT, or numbers with commas between them"
         raise PlanError(f"--set is {text!r}; {rule}") from None
-    if name in ("n", "substeps") and all(value.is_integer() for value in values):
+    if (
+        name != "speed"
+        and kind_of(name) == "whole number"
+        and all(value.is_integer() for value in values)
+    ):
         values = [int(value) for value in values]
     for value in values:
         why = _not_finite(value) if name == "speed" else wrong(name, value)
@@ -71,16 +84,6 @@ def parse(text: str) -> tuple[str, list[float]]:
 
 def _not_finite(value: float) -> str | None:
     return None if math.isfinite(value) else f"speed is {value}; it must be finite"
-
-
-def apply(world: jostle.World, name: str, value: float) -> None:
-    """Change a setting of a world; gravity as a number points downwards."""
-    if name == "gravity":
-        world.gravity = (0.0, value)
-    elif name == "speed":
-        world.velocities = world.velocities * value
-    elif name != "n":
-        setattr(world, name, value)
 
 
 def _between(first: float, last: float, count: int) -> list[float]:
