@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pygame
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import Progress
 from rich.table import Table
 
 import jostle
@@ -151,11 +151,8 @@ def make_film(
         readout.draw(painter, engine, step / spent if spent else 0.0, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    count = TextColumn("{task.completed:,}/{task.total:,} steps")
-    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
-    progress = Progress(*columns, console=console)
-    with record.Film(video, size, FRAME_RATE) as recorder, progress:
-        task = progress.add_task(f"recording {name}", total=steps)
+    with record.Film(video, size, FRAME_RATE) as recorder, Progress(console=console) as progress:
+        task = progress.add_task(f"recording {name}, {steps:,} steps", total=steps)
         for step in range(steps + 1):
             interrupt.check()
             if step:

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import Progress
 
 from jostle_lab import interrupt
 
@@ -29,16 +29,9 @@ def sweep(runs: list[Run], out: Path, workers: int | None, console: Console) -> 
         before = len(runs) - len(table.left)
         if before:
             console.print(f"{before} of {len(runs)} runs are in {out} already.", highlight=False)
-        bar = Progress(
-            TextColumn("runs"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeRemainingColumn(),
-            console=console,
-        )
         try:
-            with bar, interrupt.raised():
-                task = bar.add_task("runs", total=len(runs), completed=before)
+            with Progress(console=console) as bar, interrupt.raised():
+                task = bar.add_task(f"{len(runs):,} runs", total=len(runs), completed=before)
                 for row in results(*pool, table.left):
                     table.add(row)
                     bar.advance(task)

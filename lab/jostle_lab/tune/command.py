@@ -4,7 +4,7 @@ from pathlib import Path
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import Progress
 from rich.table import Table
 
 from .measure import ARTICLE, Map, measure
@@ -13,9 +13,8 @@ from .picture import draw, in_ms
 
 def tune(scene: str, n: int, out: Path, console: Console) -> None:
     """Measure a scene, print a table, and save the picture."""
-    columns = TextColumn(f"{scene}, {n:,} particles"), BarColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=1.0)
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task(f"{scene}, {n:,} particles", total=1.0)
         found = measure(scene, n, report=lambda share: bar.update(task, completed=share))
     console.print(table(found), highlight=False)
     draw([found], out)
