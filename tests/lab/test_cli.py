@@ -155,3 +155,13 @@ def test_a_file_that_is_wrong_or_missing_or_refused_by_the_library_gets_one_sent
     wrong = ("--headless", str(tmp_path / "small.toml"), "--out", str(tmp_path))
     sentence = jostle_command.refuses("run", *wrong)
     assert sentence.startswith("jostle: small.toml: The container would have an area of")
+
+
+def test_a_world_of_the_library_is_a_file_to_run(jostle_command, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
+    jostle.World([(0, 0), (9, 1)], radii=[2, 3]).save(tmp_path / "own.jostle")
+    options = "--steps", "2", "--gravity", "7", "--headless", "--out", tmp_path
+    code, _, said = jostle_command.run("run", tmp_path / "own.jostle", *options)
+    assert code == 0 and (tmp_path / "own.mp4").exists(), said
+    why = jostle_command.refuses("run", tmp_path / "own.jostle", "--seed", "3", *options)
+    assert "seed cannot be changed in a saved scene" in why

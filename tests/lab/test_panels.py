@@ -201,7 +201,12 @@ def test_numbers_can_be_typed_and_time_scale_and_threads_reach_the_settings(desk
     assert here.world.drag == 0.0
     here.click("drag number")
     here.type("99")
-    assert here.world.drag == 5.0, "what is too much becomes the most"
+    assert here.world.drag == 99.0, "more than the slider has"
+    for number, why in (("-5", "at least 0"), ("999999999", "at most 100,000,000")):
+        here.click("particles number")
+        here.type(number)
+        assert here.session.message == f"n is {number}; it must be {why}"
+    assert len(here.session.frame) == 321
     here.slide("speed", 0.2)
     assert here.session.settings.time_scale < 0.5
     here.slide("threads", 0.0)

@@ -6,6 +6,8 @@ import pytest
 import jostle
 import jostle_lab
 from jostle_lab.cli import runs
+from jostle_lab.session import Session
+from jostle_lab.simulate.simulation import Simulation
 
 
 def own_world() -> jostle.World:
@@ -23,6 +25,17 @@ def test_a_world_is_shown_and_returned_as_it_was_left(monkeypatch) -> None:
     np.testing.assert_array_equal(after.positions, other.positions)
     assert after.time == pytest.approx(5 / 60)
     assert world.snapshot() == before
+
+
+def test_settings_of_an_own_world_are_not_written_as_those_of_a_scene(tmp_path) -> None:
+    session = Session(Simulation.of_own(own_world(), "own"), (640, 360), synchronous=True)
+    session.files.folder = tmp_path
+    session.files.save_settings()
+    assert session.message.endswith("it is a world without a scene, whose file is .jostle")
+    assert not [*tmp_path.iterdir()]
+    session.files.save()
+    (path,) = session.files.scenes()
+    assert len(jostle.World.load(path)) == 3
 
 
 def test_without_a_display_an_error_says_so() -> None:

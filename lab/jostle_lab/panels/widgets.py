@@ -275,7 +275,7 @@ def slider(
 ) -> tuple[Moved, float]:
     """Build one line: label, slider, number; return whether it moved, and to what.
 
-    `write` formats a value.
+    `write` formats a value. A typed number may be outside the range.
     """
     with imgui_ctx.push_id(name):
         label(name)
@@ -283,8 +283,7 @@ def slider(
         imgui.same_line(0.0, GAP)
         typed = _number(gui, name, write(value))
     if typed is not None:
-        kept = min(max(typed, span.low), span.high)
-        return Moved.DONE, round(kept) if span.whole else kept
+        return Moved.DONE, round(typed) if span.whole else typed
     return moved, value
 
 

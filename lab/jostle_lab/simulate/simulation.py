@@ -186,6 +186,7 @@ class Simulation:
             return why
         before = self.settings
         self.settings = replace(before, **{name: value})
+        value = getattr(self.settings, name)  # as it is declared: a vector of gravity
         try:
             if name == "n":
                 self._set_count(value)

@@ -71,7 +71,12 @@ def _config(entries: dict[str, Any]) -> Config:
 
 
 def config_text(settings: Settings, options: ViewOptions) -> str:
-    """Return a TOML text of the settings and view options that differ from the defaults."""
+    """Return a TOML text of the settings and view options that differ from the defaults.
+
+    A world of one's own has no scene, which raises a ValueError.
+    """
+    if unknown_scene(settings.scene):
+        raise ValueError("it is a world without a scene, whose file is .jostle")
     entries = TypeAdapter(Settings).dump_python(settings, mode="json", exclude_defaults=True)
     shown = TypeAdapter(ViewOptions).dump_python(options, mode="json", exclude_defaults=True)
     if shown:

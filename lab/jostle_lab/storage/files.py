@@ -125,8 +125,8 @@ class Files:
 
     def save_settings(self) -> None:
         """Write the settings and the view options as TOML, for `jostle run FILE`."""
-        text = config_text(self._runner.engine.settings, self._view_options)
-        self._write(".toml", lambda path: write_file(path, text.encode()))
+        settings, options = self._runner.engine.settings, self._view_options
+        self._write(".toml", lambda path: write_file(path, config_text(settings, options).encode()))
 
     # Screenshots and videos
 

@@ -72,7 +72,7 @@ def read_scene(path: Path) -> SavedScene:
     except ValueError as error:
         raise ValueError(f"{str(error).replace(str(path), path.name)}.") from error
     if world.attachment is None:
-        return SavedScene(Simulation.of_own(world, path.name), None)
+        return SavedScene(Simulation.of_own(world, path.stem), None)
     try:
         simulation = Simulation.of_world(world)
         window: Any = attached(world).get("window")
