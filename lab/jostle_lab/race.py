@@ -1,4 +1,4 @@
-"""Comparison of two methods on the same scene, each as fast as possible up to real time.
+"""Comparison of two methods on the same scene, each as fast as possible.
 
 One of them may be a program of the article of 2015, with its own physics.
 """
@@ -22,7 +22,7 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.schema import METHODS, MOST_BRUTE, Settings
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Frame, FrameRequest, Rect, StepStats
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Inputs, Simulation
 from jostle_lab.simulate.start import start
 
 # Names of the methods that can be compared.
@@ -79,7 +79,7 @@ class ArticleProgram(Simulation):
         self._corner = np.array(scene.view[:2])
         self._stats = StepStats()
 
-    def step(self) -> None:
+    def step(self, inputs: Inputs = Inputs()) -> None:  # noqa: B008 (it is frozen)
         began, program = time.perf_counter(), self.program
         program.frame()
         self._stats = StepStats(
@@ -159,19 +159,22 @@ class Race:
         self.contestants = (
             Contestant(left.settings.method, left, left.steps), Contestant(method, self.engine, 0)
         )  # fmt: skip
+        left.unlimited = self.engine.unlimited = True
         self._picture = Picture()
         self._sheets: list[pygame.Surface] = []
         self._due = 0.0
 
     def advance(self, elapsed: float, request: FrameRequest) -> None:
-        """Advance the second engine by simulated seconds, after the first."""
-        changed, self.engine.request = request != self.engine.request, request
-        steps = self.engine.advance(elapsed)
-        if changed and not steps:
+        """Advance the second engine for seconds of real time, after the first."""
+        if request != self.engine.request:
+            self.engine.request = request
             self.engine.refresh()
+        self.engine.advance(elapsed, Inputs(), paused=elapsed == 0)
 
     def close(self) -> None:
+        self.contestants[0].engine.unlimited = False
         self.engine.abandon()
+        self.engine.close()
 
     # Drawing
 
@@ -193,7 +196,7 @@ class Race:
             across = min(round(camera.column_width) - 2 * EDGE, WIDEST)
             slowest = min(each.stats.time for each in self.contestants)
             self._sheets = [
-                _heading(each, ahead=each.stats.time > 1.02 * slowest, width=across)
+                _heading(each, each.stats.time / slowest if slowest else 1.0, across)
                 for each in self.contestants
             ]
         starts = round(camera.column_edge(1) - camera.column_width), middle
@@ -202,13 +205,14 @@ class Race:
             painter.sheet(sheet, (edge + inset, EDGE))
 
 
-def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surface:
+def _heading(contestant: Contestant, ahead: float, width: int) -> pygame.Surface:
     """Return the heading of a half: the method and its numbers."""
     line, small = font(BODY).get_linesize(), font(SMALL).get_linesize()
     sheet = panel((max(width, 64), 2 * PAD + line + 2 * small + 8))
     write(sheet, (PAD, PAD), RIVALS[contestant.method], TEXT, BODY)
-    if ahead:
-        write(sheet, (width - PAD, PAD), "ahead", ACCENT, BODY, flush_right=True)
+    if ahead > 1.02:
+        words = f"{ahead:,.1f} × faster"
+        write(sheet, (width - PAD, PAD), words, ACCENT, BODY, flush_right=True)
     numbers = {
         "steps": f"{contestant.steps:,}",
         "ms per step": f"{contestant.engine.step_seconds * 1e3:,.2f}",

@@ -14,7 +14,7 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.measure import Statistics
 from jostle_lab.race import Race, refusal
 from jostle_lab.schema import METHODS, Settings, unknown_scene, wrong
-from jostle_lab.simulate.engine import Create, Engine, LoadedScene, SceneLoader, Then, expected
+from jostle_lab.simulate.engine import Create, Engine, Scene, expected
 from jostle_lab.simulate.frame import FrameRequest
 from jostle_lab.simulate.history import History
 from jostle_lab.simulate.simulation import ADJUSTABLE, Simulation
@@ -23,6 +23,11 @@ from jostle_lab.simulate.start import start
 # Settings whose change does work on the particles, or shifts the zero of their energy.
 CHANGES_ENERGY = {"n", "gravity", "world_size", "container"}
 SLOWEST, FASTEST = 1 / 32, 8.0  # times real time
+SPEED_TIME = 0.5  # seconds over which the speed is averaged
+RESTARTED = (
+    "The scene starts again with its settings; drawn walls, attractors and added particles are "
+    "gone. Ctrl+Z brings them back."
+)
 
 
 class Runner:
@@ -33,43 +38,44 @@ class Runner:
     ) -> None:
         self.engine = engine
         self._camera, self._interaction, self._messages = camera, interaction, messages
-        self.loader = SceneLoader(synchronous=engine.synchronous)  # makes new simulations
         self.picture, self.statistics = Picture(), Statistics()  # of the present simulation
         self.race: Race | None = None  # the comparison with another method
+        self._before_race: Scene | None = None  # returns when the race ends
         self.paused = False
+        self.speed = 1.0  # simulated seconds per second of real time, averaged
+        self._time = 0.0  # of the last frame
+        self._count: int | None = None  # the number of particles that was set last
+        self._saved = engine.undo.edits
         self.history = engine.history = History(engine.simulation)
         self._own = self.history.moments[0].state or b""  # the initial state of a user's world
-        engine.act = interaction.before_step
 
     # Scenes
 
     def begin(self, settings: Settings, rival: str | None = None) -> None:
-        """Begin a scene with other settings; an error becomes a message.
+        """Begin a scene with other settings; an error becomes a message. Undo brings this back.
 
         It is compared with `rival`, a method, or with that of the present comparison, if any.
         """
-        rival = rival or (self.race.method if self.race else None)
-        then = partial(self._start_race, rival) if rival else None
+        rival = rival or (self.race.method if self.race else "")
         message = f"Preparing {expected(settings):,} particles …"
-        self.replace(partial(start, settings), message, then, settings)
+        self.replace(partial(start, settings), message, settings, rival)
 
     def replace(
-        self,
-        create: Create,
-        message: str,
-        then: Then | None = None,
-        settings: Settings | None = None,
+        self, create: Create, message: str, settings: Settings | None = None, rival: str = ""
     ) -> None:
-        """Replace the simulation, if the new one can be made, and call `then`.
+        """Replace the simulation, if the new one can be made.
 
         It is made on a worker thread; meanwhile the present one and `message` are shown.
         """
-        self.loader.start(create, self._first_request, message, settings, then)
+        if not (rival or self.race):
+            self.engine.edit(lambda simulation: None)  # which records the present state
+        self.engine.load(create, self._first_request, message, settings, rival)
         if self.engine.synchronous:
             self._take_loaded()
 
     def restart(self) -> None:
         """Return to the initial state, with the present settings."""
+        self._messages.say(RESTARTED)
         if unknown_scene(self._next_settings.scene) is None:
             self.begin(self._next_settings)
         else:  # a world of the user
@@ -84,16 +90,15 @@ class Runner:
 
     def next_scene(self, by: int = 1) -> None:
         """Begin the next scene of the list; the first after the last."""
-        names = jostle.scenes.names()
-        coming = self.loader.settings
-        scene = coming.scene if coming else self.engine.scene
+        names, scene = jostle.scenes.names(), self._next_settings.scene
         at = names.index(scene) if scene in names else -max(by, 0)
         self.choose_scene(names[(at + by) % len(names)])
 
     @property
     def _next_settings(self) -> Settings:
         """Return the settings of the simulation that is being made, or of the present one."""
-        return self.loader.settings or self.engine.settings
+        loading = self.engine.loading
+        return (loading and loading.settings) or self.engine.settings
 
     @property
     def _first_request(self) -> FrameRequest:
@@ -101,28 +106,43 @@ class Runner:
         return replace(self.engine.request, energies=True)
 
     def _take_loaded(self) -> None:
-        """Continue with a new simulation, if there is one."""
-        new = self.loader.take()
-        if isinstance(new, str):
-            self._messages.say(new)
-        elif new is not None:
-            self._continue_with(*new)
+        """Continue with a new scene, if there is one."""
+        engine = self.engine
+        if engine.loading and engine.loading.name and not self.race and engine.busy:
+            return  # the scene before a race is kept, so no thread may use it
+        loaded = engine.take_loaded()
+        if loaded is None:
+            return
+        scene, rival = loaded
+        if isinstance(scene, str):
+            self._messages.say(scene)
+            return
+        engine.poll()
+        before = self._before_race
+        if rival and before is None:
+            before = Scene(engine.simulation, engine.frame, engine.history)
+        self._show(scene)
+        if rival:
+            self._before_race = before
+            self._start_race(rival)
+        else:
+            self._own = self.history.moments[0].state or b""
+            self.note_saved()
 
-    def _continue_with(self, new: LoadedScene, then: Then | None) -> None:
-        moved = new.simulation.view != self.engine.view
-        self.end_race()
-        self._own = new.history.moments[0].state or b""
+    def _show(self, scene: Scene) -> None:
+        """Continue with another scene, without a race."""
+        moved = scene.simulation.view != self.engine.view
+        self._close_race()
+        self._before_race = None
         self._interaction.reset()
         self.engine.request = self._first_request
-        self.engine.take(new.simulation, new.frame)
-        self.history = self.engine.history = new.history
+        self.engine.take(scene)
+        self.history = self.engine.history = scene.history or History(scene.simulation)
         self.picture = Picture()  # the worker thread may still use the previous one
         self.statistics.restart()
         self.statistics.sum_up(self.engine.frame)
         if moved:
-            self._camera.look_at(new.simulation.view)
-        if then is not None:
-            then()
+            self._camera.look_at(scene.simulation.view)
 
     # Settings
 
@@ -130,31 +150,26 @@ class Runner:
         """Change a setting: while the scene runs if possible, else by beginning it again."""
         if why := wrong(name, value):
             self._messages.say(why)
-            return
-        live = name in ADJUSTABLE and (name == "time_scale" or not self.race)
-        if live and name == "n":
-            self._set_count(value)
-        elif live:
+        elif name in ADJUSTABLE and (name == "time_scale" or not self.race):
+            self._count = value if name == "n" else self._count
             self.engine.edit(
-                lambda simulation: self._messages.say(simulation.adjust(name, value)),
-                changes=name != "time_scale",  # which has no effect on the state
-                then=self.statistics.reset_reference if name in CHANGES_ENERGY else None,
-            )
+                partial(Simulation.adjust, name=name, value=value),
+                name, changes=name != "time_scale", latest=True,
+            )  # fmt: skip
+            self.collect()
         else:
             self.begin(replace(self._next_settings, **{name: value}))
 
-    def _set_count(self, n: int) -> None:
-        """Add or remove particles; if there is no room, begin again with a suitable size."""
-        refusals: list[str | None] = []
-
-        def then() -> None:
-            if refusals[0]:
-                self._messages.say(f"{refusals[0]} So the scene begins anew.")
-                self.begin(replace(self.engine.settings, n=n))
-
-        self.engine.edit(
-            lambda simulation: refusals.append(simulation.adjust("n", n)), then=then, key="n"
-        )
+    def collect(self) -> None:
+        """Show the messages of finished edits, and react to changes of the energy."""
+        for key, result in self.engine.take_finished():
+            if key in CHANGES_ENERGY:
+                self.statistics.reset_reference()
+            if isinstance(result, str):
+                no_room = key == "n"
+                self._messages.say(f"{result} So the scene begins anew." if no_room else result)
+                if no_room:
+                    self.begin(replace(self.engine.settings, n=self._count))
 
     def switch_method(self) -> None:
         """Switch between brute force and quadtree."""
@@ -167,6 +182,30 @@ class Runner:
     @property
     def _other_method(self) -> str:
         return "brute" if self.engine.settings.method == "quadtree" else "quadtree"
+
+    # Undo
+
+    def undo(self) -> None:
+        """Restore the state before the last edit; during a race, end the race."""
+        self._restore(partial(self.engine.undo.undo, history=self.history))
+
+    def redo(self) -> None:
+        """Restore the state that the last undo has left."""
+        self._restore(partial(self.engine.undo.redo, history=self.history))
+
+    def _restore(self, work: Callable[[Simulation], object]) -> None:
+        self._interaction.drag_tool.drop()
+        self.end_race()
+        self.engine.edit(work, changes=False)
+        self.collect()
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are edits since the scene began or was saved."""
+        return self.engine.undo.edits != self._saved
+
+    def note_saved(self) -> None:
+        self._saved = self.engine.undo.edits
 
     # Comparison of two methods
 
@@ -183,15 +222,21 @@ class Runner:
             self.begin(self._next_settings, method)
 
     def _start_race(self, method: str) -> None:
-        self.end_race()
         reason = refusal(self.engine.settings.method, method, len(self.engine.frame))
         if reason:
             self._messages.say(reason)
+            self.end_race()
         else:
             self.race = Race(self.engine, method)
             self._camera.divide(2)
 
     def end_race(self) -> None:
+        """End the comparison; the scene before it returns as it was."""
+        self._close_race()
+        if self._before_race:
+            self._show(self._before_race)
+
+    def _close_race(self) -> None:
         if self.race:
             self.race.close()
             self.race = None
@@ -203,38 +248,44 @@ class Runner:
 
     # Time
 
-    def advance(self, elapsed: float, request: FrameRequest) -> int:
-        """Advance by `elapsed` seconds of real time; return the number of finished steps.
-
-        `request` is what the frames must contain for drawing.
-        """
+    def prepare(self, request: FrameRequest) -> None:
+        """Take a new scene, and request what the next frames must contain for drawing."""
         self._take_loaded()
-        engine, statistics, now = self.engine, self.statistics, self._messages.now
+        engine, statistics = self.engine, self.statistics
         changed = replace(engine.request, energies=request.energies) != request
-        energies = request.energies or statistics.energies_due(now)
+        energies = request.energies or statistics.energies_due(self._messages.now)
         engine.request = replace(request, energies=energies)
         if statistics.reference is None and (self.paused or not len(statistics.sums)):
             # The reference is this state, not the next one.
-            if self.engine.frame.energies is None:
+            if engine.frame.energies is None:
                 engine.refresh()
-            statistics.sum_up(self.engine.frame)
-        steps = 0
-        if self.paused:
-            self._interaction.place_held()
-            for each in self._engines:
-                each.poll()
-        else:
-            steps = engine.advance(elapsed * engine.settings.time_scale)
-            if self.race:
-                self.race.advance(elapsed * engine.settings.time_scale, request)
-        if changed and not steps:
+            statistics.sum_up(engine.frame)
+        if changed:
             engine.refresh()
+
+    def follow(self, elapsed: float, steps: int) -> None:
+        """Update everything else after a number of finished steps."""
+        if self.race:
+            self.race.advance(0.0 if self.paused else elapsed, self.engine.request)
+        self.collect()
         self._show_errors()
-        self._camera.follow(engine.view)
+        self._follow(elapsed, steps)
+        self.statistics.follow(
+            self.engine.frame, self._messages.now, elapsed,
+            running=not self.paused, step_seconds=self.engine.whole_seconds,
+        )  # fmt: skip
+
+    def _follow(self, elapsed: float, steps: int) -> None:
+        """Update what depends on the last frame."""
+        time = self.engine.frame.stats.time
+        if time < self._time:
+            self.picture = Picture()  # trails of a later time
+        self._time = time
+        if elapsed > 0 and not self.paused:
+            weight = min(elapsed / SPEED_TIME, 1.0)
+            self.speed += (steps * self.engine.time_step / elapsed - self.speed) * weight
+        self._camera.follow(self.engine.view)
         self._interaction.follow()
-        running, step_seconds = not self.paused, engine.whole_seconds
-        statistics.follow(engine.frame, now, elapsed, running=running, step_seconds=step_seconds)
-        return steps
 
     def _show_errors(self) -> None:
         """Pause after an error of a step, and show its message."""
@@ -246,7 +297,7 @@ class Runner:
     def scale_time(self, factor: float) -> None:
         scale = min(max(self.engine.settings.time_scale * factor, SLOWEST), FASTEST)
         self.adjust("time_scale", scale)
-        self._messages.say(f"Time scale × {scale:.4g}")
+        self._messages.say(f"Speed × {scale:.4g}")
 
     def toggle_pause(self) -> None:
         self.paused = not self.paused
@@ -259,16 +310,15 @@ class Runner:
         self._show_errors()
 
     def step_back(self) -> None:
-        """Restore the moment before, and pause; this undoes a last edit first."""
-        self._restore(lambda: self.history.at - 1)
+        """Restore the moment before, and pause; this reverts a last edit first."""
+        self._pause_at(lambda: self.history.at - 1)
 
     def rewind(self, seconds_ago: float) -> None:
         """Restore the moment `seconds_ago` before the latest, and pause."""
-        self._restore(lambda: self.history.index_of(seconds_ago))
+        self._pause_at(lambda: self.history.index_of(seconds_ago))
 
-    def _restore(self, index: Callable[[], int]) -> None:
+    def _pause_at(self, index: Callable[[], int]) -> None:
         self.paused = True
-        self._interaction.drag_tool.drop()
         self.end_race()
         history, seconds = self.history, self.engine.last_seconds
 
@@ -276,10 +326,7 @@ class Runner:
             history.hold(simulation)
             history.show(simulation, index(), seconds)
 
-        def then() -> None:
-            self.picture = Picture()
-
-        self.engine.edit(restore, changes=False, then=then)
+        self._restore(restore)
 
     # Drawing
 

@@ -3,8 +3,10 @@
 Keys, mouse, menus, panels and tests call the methods of its parts. It is independent of the window.
 """
 
+import sys
+from concurrent.futures import Future
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from jostle_lab.act.explanation import Explanation, PairQuestion
 from jostle_lab.act.interaction import Interaction, Messages
@@ -18,6 +20,14 @@ from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.storage.files import Files
+
+
+@dataclass
+class FileChoice:
+    """The open window of Ctrl+O, and the path in it."""
+
+    path: str = ""
+    shown: bool = False
 
 
 class Session:
@@ -39,6 +49,8 @@ class Session:
         self.traces = Traces(self.runner.statistics)  # the plots of the statistics
         self.shows_times = True  # whether the statistics have the times of frames
         self.question = PairQuestion()  # the pair whose contact is explained
+        self.choice: FileChoice | None = None  # the file to be opened
+        self._autosaved: Future[object] | None = None  # its message
         self.open = True  # false if the window is to be closed
 
     @property
@@ -52,16 +64,18 @@ class Session:
     @property
     def message(self) -> str:
         """Return the message to show now, or an empty string."""
-        return self.runner.loader.message or self.messages.current
+        return self.engine.message or self.messages.current
 
     # Time
 
     def advance(self, elapsed: float) -> int:
         """Advance the simulation by `elapsed` seconds of real time; return the finished steps."""
-        self.interaction.track_cursor()
+        inputs = self.interaction.inputs(paused=self.runner.paused)
         request = self.runner.picture.request(self.view_options)
         request = replace(request, tree=request.tree or self.question.pair is not None)
-        steps = self.runner.advance(elapsed, request)
+        self.runner.prepare(request)
+        steps = self.engine.advance(elapsed, inputs, paused=self.runner.paused)
+        self.runner.follow(elapsed, steps)
         self.files.follow()
         return steps
 
@@ -90,10 +104,14 @@ class Session:
     def explanation(self) -> Explanation | None:
         return self.question.answer(self.frame, self.settings, self.messages.now)
 
+    def choose_file(self) -> None:
+        """Open the window that opens a file."""
+        self.choice = FileChoice()
+
     # Closing
 
     def escape(self) -> None:
-        """Cancel a drag; else close a menu or the help; else clear the selection; else quit."""
+        """Cancel a drag, else close a menu or the help, else deselect; it never quits."""
         interaction = self.interaction
         if interaction.cancel():
             return
@@ -102,9 +120,13 @@ class Session:
         elif self.view_options.help:
             self.view_options.help = False
         elif not interaction.dismiss():
-            self.quit()
+            self.messages.say("Ctrl+Q quits.")
 
     def quit(self) -> None:
+        """Close the window; unsaved edits are saved first."""
+        self.runner.end_race()
+        if self.runner.unsaved and self.open:
+            self._autosaved = self.files.autosave()
         self.open = False
 
     def close(self) -> None:
@@ -112,5 +134,6 @@ class Session:
         with ExitStack() as closing:  # in reverse order: files first, whatever fails
             closing.callback(self.engine.close)
             closing.callback(self.runner.end_race)
-            closing.callback(self.runner.loader.cancel)
             closing.callback(self.files.close)
+        if self._autosaved is not None and self._autosaved.done():
+            print(self._autosaved.result(), file=sys.stderr)

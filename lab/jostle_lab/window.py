@@ -57,6 +57,7 @@ class Window:
     def run(self) -> None:
         """Show frames until the window is closed."""
         clock, last = pygame.time.Clock(), time.perf_counter()
+        self.session.files.mention_autosave()
         try:
             while self.session.open:
                 interrupt.check()

@@ -66,6 +66,12 @@ def open_window() -> Iterator[Callable[..., object]]:
 
 
 @pytest.fixture(autouse=True)
+def state_home(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep autosaved edits out of the home of the user."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+
+
+@pytest.fixture(autouse=True)
 def closed(request: pytest.FixtureRequest, usual_threads: None) -> Iterator[None]:
     """Close the display and the sessions of a `Driver`."""
     yield

@@ -63,8 +63,8 @@ class Driver:
             self.window._seen = left == 0
             self.window.frame(elapsed)
 
-    def key(self, key: int, *, up: bool = True) -> None:
-        post(pygame.KEYDOWN, key=key, mod=0)
+    def key(self, key: int, *, up: bool = True, mod: int = 0) -> None:
+        post(pygame.KEYDOWN, key=key, mod=mod)
         if up:
             post(pygame.KEYUP, key=key, mod=0)
         self.window.frame(0.0)
@@ -109,10 +109,10 @@ def gate_steps(simulation: Simulation) -> tuple[threading.Event, Callable[[], No
     """Let steps wait until the second is called; the first is set when one has begun."""
     gate, begun, step = threading.Event(), threading.Event(), simulation.step
 
-    def waiting() -> None:
+    def waiting(*inputs: object) -> None:
         begun.set()
         gate.wait(30)
-        step()
+        step(*inputs)
 
     simulation.step = waiting
     return begun, gate.set

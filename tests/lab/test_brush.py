@@ -41,12 +41,12 @@ def test_a_drag_adds_particles_within_reach_of_its_path_until_its_release() -> N
 
 
 def test_free_places_in_a_circle_are_all_used() -> None:
-    frame = world_of([(1, 1)], container=jostle.Circle((0.1, 0.3), 70)).frame()
+    world = world_of([(1, 1)], container=jostle.Circle((0.1, 0.3), 70)).world
     grid = np.stack(np.meshgrid(np.arange(-60, 61, 7.3), np.arange(-60, 61, 7.3)), -1)
     places = grid.reshape(-1, 2)
     inside = np.hypot(*(places - (0.1, 0.3)).T) <= 70 - 3
     apart = np.hypot(*(places - 1).T) >= 14
-    assert set(free_among(places, 3.0, frame)) == set(np.flatnonzero(inside & apart))
+    assert set(free_among(world, places, 3.0)) == set(np.flatnonzero(inside & apart))
 
 
 def test_nothing_is_added_outside_or_on_a_wall() -> None:
@@ -74,7 +74,7 @@ def test_it_paints_the_chosen_kind_and_shows_it() -> None:
     middle = (y0 + y1) / 2
     driver.drag((x0 + 0.3 * (x1 - x0), middle), (x0 + 0.6 * (x1 - x0), middle))
     kinds = session.frame.kinds
-    assert kinds is not None and len(kinds) == 40 + 14
+    assert kinds is not None and len(kinds) == 40 + 15
     assert (kinds[40:] == 4).all()
     preview = session.interaction.preview
     assert preview is not None and preview.tool is Tool.BRUSH and preview.kind == 4

@@ -14,7 +14,6 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle_lab.schema import Group, Polyline, Settings
 from jostle_lab.simulate import start as start_module
-from jostle_lab.simulate.forces import clear_of
 from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.region import Torus
 from jostle_lab.simulate.simulation import Simulation
@@ -405,7 +404,7 @@ radius = 0.5
     simulation = start(read(tmp_path, text).settings)
     frame = simulation.frame()
     assert len(frame) == 60
-    assert clear_of(frame.positions, frame.radii, frame.walls).all()
+    assert len(simulation.world.walls.query_circle(frame.positions, frame.radii).ids) == 0
 
 
 def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 import math
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -10,8 +9,9 @@ from lab_scenes import in_many_scenes
 
 from jostle_lab.schema import Settings
 from jostle_lab.session import Session
+from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.history import History
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Held, Inputs
 from jostle_lab.simulate.start import start
 
 
@@ -91,13 +91,13 @@ def test_acts_of_a_person_are_shown_as_they_were(stride: int) -> None:
     go(7)
     engine.edit(lambda simulation: simulation.remove([3, 4]))
     go(3)
-    session.interaction.drag_tool.grab(7, (100.0, 100.0), 0.0)
+    engine.hold(Inputs(grab=Held(7, (100.0, 100.0), (0.0, 0.0))))
     go(7)
-    session.interaction.drag_tool.drop()
+    engine.hold(Inputs())
     go(3)
-    session.interaction.attractors.attract_to_cursor((50.0, 50.0))
+    engine.hold(Inputs(attract=Attractor(8.0, (50.0, 50.0), passing=True)))
     go(2)
-    session.interaction.attractors.attract_to_cursor(None)
+    engine.hold(Inputs())
     session.runner.adjust("gravity", (0.0, 50.0))
     go(9)
     history = session.runner.history
@@ -119,15 +119,17 @@ def test_a_drag_before_a_refused_step_is_not_forgotten(monkeypatch) -> None:
     engine = session.engine
     run(session, 1)
 
-    def drag(simulation: Simulation) -> bool:
-        simulation.change([0], velocities=(3.0, 4.0))
-        return True
+    engine.hold(Inputs(grab=Held(0, (3.0, 4.0), (0.0, 0.0))))
+
+    def refused(inputs: Inputs) -> None:
+        engine.simulation.hold(inputs)
+        raise ValueError("too fast")
 
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "act", drag)
-        patch.setattr(engine.simulation, "step", Mock(side_effect=ValueError("too fast")))
+        patch.setattr(engine.simulation, "step", refused)
         engine.request_step()
         assert engine.take_error() == "too fast"
+    engine.hold(Inputs())
     prints = run(session, 2)
     session.runner.rewind(0.0)
     assert fingerprint(session) == prints[-1]

@@ -13,7 +13,7 @@ from jostle_lab.act.commands import scatter, usual
 from jostle_lab.schema import Settings
 from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.region import Torus
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Held, Inputs, Simulation
 from jostle_lab.simulate.start import start
 
 
@@ -204,17 +204,15 @@ def test_frames_name_contacts_and_springs_by_rows() -> None:
 def test_a_held_particle_is_found_after_others_are_removed_and_pulled_no_more_when_let_go() -> None:
     simulation = world_of([(100, 100), (300, 100), (500, 100)])
     simulation.remove([0])
-    simulation.grab(2, (520.0, 100.0), (0.0, 0.0))
-    simulation.step()
+    simulation.step(Inputs(Held(2, (520.0, 100.0), (0.0, 0.0))))
     speeds = simulation.frame().velocities[:, 0]
     assert speeds[0] == 0 and speeds[1] > 0
     simulation.remove([2])
     assert simulation.world.forces == ()
     simulation = world_of([(100, 100), (300, 100)])
-    simulation.grab(1, (320.0, 100.0), (0.0, 0.0))
-    simulation.step()
+    simulation.step(Inputs(Held(1, (320.0, 100.0), (0.0, 0.0))))
     state = simulation.save()
-    simulation.release()
+    simulation.hold(Inputs())
     assert simulation.world.forces == ()
     simulation.load(state)
     assert simulation.world.forces == ()
@@ -362,6 +360,7 @@ def test_a_key_held_without_end_and_points_outside_the_walls_or_the_world_are_no
     session = Driver(world_of([(200, 250), (600, 250)])).session
     for _ in range(900):
         session.interaction.gravity.scale(3.0)
+    session.advance(0.0)
     assert "gravity" in session.message
     for point in ((1e300, -1e300), (0.0, 1e19)):
         session.interaction.commands.create(point)

@@ -120,7 +120,8 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     elif moment == "build":
         monkeypatch.setattr(widgets, "slider", pressing(widgets.slider))
     elif moment == "step":
-        window.session.engine.act = pressing(window.session.engine.act)
+        simulation = window.session.engine.simulation
+        monkeypatch.setattr(simulation, "step", pressing(simulation.step))
     else:
         monkeypatch.setattr(windows, "draw_selection", pressing(windows.draw_selection))
     with pytest.raises(KeyboardInterrupt), interrupt.raised():

@@ -9,7 +9,7 @@ import pytest
 from lab_interaction import Driver, world_of
 
 from jostle_lab.draw.view_options import ColourBy, TreeView
-from jostle_lab.gui.keymap import COMMANDS, GROUPS, HANDLERS, HELD, KEYMAP, PANNING, key_of
+from jostle_lab.gui.keymap import GROUPS, HANDLERS, HELD, KEYMAP, PANNING, command_of, key_of
 from jostle_lab.schema import Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
@@ -32,16 +32,29 @@ SPELLED |= {"[": "leftbracket", "]": "rightbracket", "Esc": "escape"}
 
 @pytest.mark.parametrize("key", PROMISED)
 def test_key_does_what_it_promises(key: int) -> None:
-    assert COMMANDS.get(key) == PROMISED[key]
+    assert command_of(key) == PROMISED[key]
+    assert command_of(key, pygame.KMOD_LSHIFT | pygame.KMOD_NUM) == PROMISED[key]
+
+
+@pytest.mark.parametrize(
+    ("key", "command"),
+    [("z", "undo"), ("y", "redo"), ("s", "save"), ("o", "open"), ("q", "quit"), ("c", None)],
+)
+def test_keys_with_control_have_commands_of_their_own(key: str, command: str | None) -> None:
+    number = getattr(pygame, f"K_{key}")
+    assert command_of(number, pygame.KMOD_LCTRL) == command
+    assert command_of(number) != command
+    assert command_of(pygame.K_z, pygame.KMOD_RCTRL | pygame.KMOD_LSHIFT) == "redo"
 
 
 def test_a_label_names_the_key_of_its_command() -> None:
     commands = [command for control in KEYMAP for command in control.keys]
     for command in set(commands) - PANNING.keys():
         label = key_of(command)
-        name = SPELLED.get(label, label)
+        control, name = label.startswith("Ctrl+"), label.removeprefix("Ctrl+")
+        name = SPELLED.get(name, name)
         key = getattr(pygame, f"K_{name.lower() if len(name) == 1 else name.upper()}")
-        assert COMMANDS[key] == command
+        assert command_of(key, control * pygame.KMOD_LCTRL) == command
 
 
 def test_every_command_has_a_key_and_an_explanation_and_no_key_means_two_things() -> None:
@@ -149,4 +162,6 @@ def test_the_escape_key_closes_the_help_first() -> None:
     driver.key(pygame.K_ESCAPE)
     assert driver.session.open and not driver.session.view_options.help
     driver.key(pygame.K_ESCAPE)
+    assert driver.session.open and driver.session.message == "Ctrl+Q quits."
+    driver.key(pygame.K_q, mod=pygame.KMOD_LCTRL)
     assert not driver.session.open

@@ -13,7 +13,7 @@ from jostle_lab.act.interaction import DragTool
 from jostle_lab.schema import Settings
 from jostle_lab.simulate import engine, start
 from jostle_lab.simulate.engine import MAX_STEPS, Engine, FixedTimestep
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Inputs, Simulation
 
 MANY = 200_000
 STEP = 1 / 60
@@ -33,7 +33,7 @@ def held_up(driver: Driver) -> Callable[[], None]:
 
 def settled(driver: Driver) -> None:
     """Wait for the current jobs, and show their results."""
-    driver.session.runner.loader.wait()
+    driver.session.engine.wait_for_loading()
     driver.frames(1, 0.0)
     driver.session.engine.wait()
 
@@ -95,10 +95,10 @@ def refusing(driver: Driver) -> Simulation:
     simulation = driver.session.engine.simulation
     step = simulation.step
 
-    def refused() -> None:
+    def refused(inputs: Inputs) -> None:
         if tuple(simulation.world.gravity) != (0.0, 0.0):
             raise ValueError("That is too fast.")
-        step()
+        step(inputs)
 
     simulation.step = refused
     return simulation
@@ -209,14 +209,16 @@ def test_no_wall_is_lost() -> None:
     assert session.interaction.commands.drawn_walls.tolist() == [0, 1, 2]
 
 
-def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
+def test_a_slider_of_numbers_leaves_only_its_last_value_waiting(monkeypatch) -> None:
     driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session = driver.session
     session.runner.paused = True
     gate, asked = threading.Event(), []
-    adjust = session.engine.simulation.adjust
-    session.engine.simulation.adjust = lambda name, value: (
-        asked.append(value) or adjust(name, value)
+    adjust = Simulation.adjust
+    monkeypatch.setattr(
+        Simulation,
+        "adjust",
+        lambda simulation, name, value: asked.append(value) or adjust(simulation, name, value),
     )
     session.engine.edit(lambda simulation: gate.wait(30) and None)
     for n in (19, 18, 17):
@@ -300,7 +302,7 @@ def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> No
     assert abandoned
     history = session.runner.history
     session.runner.restart()
-    session.runner.loader.wait()
+    session.engine.wait_for_loading()
     session.runner.paused = True
     driver.frames(1)
     assert session.engine.simulation is not old and not session.engine.busy
@@ -334,7 +336,7 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
 
     def rest() -> None:
         """Wait for the current jobs, without applying their results."""
-        session.runner.loader.wait()
+        session.engine.wait_for_loading()
         while session.engine.busy:
             time.sleep(0.001)
         driver.frames(2)
@@ -372,8 +374,11 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
     assert list(tmp_path.glob("*.png"))
 
 
-def count(pace: FixedTimestep, elapsed: float) -> int:
-    return pace.advance(elapsed, lambda: None)
+def count(pace: FixedTimestep, elapsed: float, speed: float = 1.0) -> int:
+    pace.add(elapsed, speed)
+    due = pace.due
+    pace.take(due)
+    return due
 
 
 def test_a_screen_of_any_speed_gives_sixty_steps_a_second_if_they_are_not_slow() -> None:
@@ -381,13 +386,13 @@ def test_a_screen_of_any_speed_gives_sixty_steps_a_second_if_they_are_not_slow()
         pace = FixedTimestep(STEP)
         steps = sum(count(pace, 1 / screen) for _ in range(2 * screen))
         assert steps == pytest.approx(120, abs=1)
-    now = [0.0]
-    pace = FixedTimestep(STEP, clock=lambda: now[0])
 
-    def step() -> None:
-        now[0] += 0.04
 
-    assert pace.advance(0.05, step) == 1
+def test_slow_steps_end_a_job_after_its_budget(monkeypatch) -> None:
+    engine_ = Engine(world_of(TWO), synchronous=True)
+    step = engine_.simulation.step
+    monkeypatch.setattr(engine_.simulation, "step", lambda inputs: time.sleep(0.02) or step(inputs))
+    assert engine_.advance(0.05, Inputs()) == 2
 
 
 def test_a_slow_machine_slows_simulated_time_and_one_near_sixty_hertz_does_not() -> None:
@@ -396,3 +401,13 @@ def test_a_slow_machine_slows_simulated_time_and_one_near_sixty_hertz_does_not()
     assert count(pace, 10.0) == MAX_STEPS
     assert count(pace, 0.0) == 0
     assert count(pace, STEP) == 1
+
+
+def test_eight_times_real_time_is_eight_steps_a_frame() -> None:
+    pace = FixedTimestep(STEP)
+    assert sum(count(pace, STEP, 8.0) for _ in range(60)) == 480
+    driver = Driver(world_of(TWO))
+    driver.session.runner.scale_time(8.0)
+    driver.frames(120)
+    assert driver.session.engine.steps == pytest.approx(8 * 120, abs=8)
+    assert driver.session.runner.speed == pytest.approx(8.0, rel=0.05)

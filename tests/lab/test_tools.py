@@ -181,7 +181,7 @@ def test_the_cursor_shows_which_tool_is_in_drag_tool() -> None:
     assert driver.session.interaction.preview.start == pytest.approx((320, 300), abs=1)
 
 
-def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window() -> None:
+def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_and_never_quits() -> None:
     driver = Driver(world_of(FOUR))
     driver.click((100, 100))
     driver.key(pygame.K_2)
@@ -197,7 +197,7 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     driver.key(pygame.K_ESCAPE)
     assert len(driver.session.interaction.selection) == 0 and driver.session.open
     driver.key(pygame.K_ESCAPE)
-    assert not driver.session.open
+    assert driver.session.open and driver.session.message == "Ctrl+Q quits."
 
 
 def test_a_click_places_an_attractor_or_takes_it_away_and_a_drag_sets_its_strength() -> None:

@@ -1,5 +1,9 @@
 """The interactive loop, driven by posted events, without a display."""
 
+import sys
+from collections.abc import Iterator
+from types import FrameType
+
 import numpy as np
 import pygame
 import pytest
@@ -7,7 +11,7 @@ from lab_interaction import FRAME, LEFT, SIZE, Driver, Point, post, world_of
 
 from jostle_lab.draw.view_options import TreeView
 from jostle_lab.schema import MOST_BRUTE, Settings
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Inputs, Simulation
 from jostle_lab.simulate.start import start
 
 TWO = [(400, 250), (700, 100)]
@@ -56,6 +60,7 @@ def test_a_drag_crosses_the_boundary_of_a_torus() -> None:
     hand.grab(0, (400.0, 250.0), 0.0)
     hand.follow((1040.0, 250.0), 1.0)
     hand.follow((1040.0, 250.0), 2.0)
+    driver.session.engine.hold(Inputs(hand.state))
     for _ in range(120):
         driver.session.engine.step()
     assert driver.world.positions[0] == pytest.approx((240, 250), abs=5)
@@ -161,3 +166,49 @@ def test_nothing_and_almost_nothing_run(n: int, method: str) -> None:
         post(pygame.MOUSEBUTTONDOWN, pos=(SIZE[0] // 2, SIZE[1] // 2), button=LEFT)
         driver.frames(1)
     assert len(driver.world) == n
+
+
+def callers(frame: FrameType | None) -> Iterator[tuple[str, str]]:
+    """Yield the file and the name of the functions of the simulator that are running."""
+    while frame is not None:
+        _, inside, file = frame.f_code.co_filename.partition("jostle_lab/")
+        if inside:
+            yield file, frame.f_code.co_qualname
+        frame = frame.f_back
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="code objects have no qualified names")
+def test_a_motion_of_the_mouse_reaches_the_world_in_at_most_eight_calls_and_five_files() -> None:
+    """The calls on the way from an event to a step, below the loop of the window."""
+    driver = Driver(world_of(TWO))
+    driver.down(TWO[0])
+    driver.move(driver.pixel((450, 250)))
+    path: set[tuple[str, str]] = set()
+    before = driver.session.interaction.cursor
+
+    def profile(frame: FrameType, event: str, _: object) -> None:
+        name = frame.f_code.co_qualname
+        arrives = event == "return" and name == "Input.handle"
+        cursor = driver.session.interaction.cursor
+        if (arrives and cursor != before) or (
+            event == "call" and name in ("Interaction.inputs", "Simulation.step")
+        ):
+            path.update(callers(frame))
+
+    sys.setprofile(profile)
+    try:
+        driver.frames(1)
+    finally:
+        sys.setprofile(None)
+    assert driver.world.positions[0, 0] > TWO[0][0]
+    path = {(file, name) for file, name in path if file != "window.py"}
+    assert path == {
+        ("gui/input.py", "Input.handle"),
+        ("session.py", "Session.advance"),
+        ("act/interaction.py", "Interaction.inputs"),
+        ("simulate/engine.py", "Engine.advance"),
+        ("simulate/engine.py", "Engine._start"),
+        ("simulate/engine.py", "Worker.submit"),
+        ("simulate/engine.py", "Job.run"),
+        ("simulate/simulation.py", "Simulation.step"),
+    }

@@ -21,12 +21,13 @@ class Attractors:
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._cursor: Point | None = None
+        # The attraction to the cursor while a key is held; an input of each step.
+        self.cursor: Attractor | None = None
 
     @property
     def placed(self) -> tuple[Attractor, ...]:
         """Return the permanent ones of the last frame, in the order of placing."""
-        return _permanent(self._engine.frame.attractors)
+        return tuple(one for one in self._engine.frame.attractors if not one.passing)
 
     def place(self, point: Point, strength: float = STRENGTH) -> None:
         """Add an attractor at a point."""
@@ -62,26 +63,9 @@ class Attractors:
     def _change(self, change: Callable[[tuple[Attractor, ...]], tuple[Attractor, ...]]) -> None:
         self._engine.edit(lambda simulation: simulation.attract(change(simulation.attractors)))
 
-    # The cursor
-
     def attract_to_cursor(self, point: Point | None) -> None:
         """Attract all particles to a point until this is called with None."""
-        ended = point is None and self._cursor is not None
-        self._cursor = point and _within_reach(point)
-        if ended:
-            self._engine.edit(self.apply)
-
-    def apply(self, simulation: Simulation) -> bool:
-        """Let the cursor attract, or not; return whether it does. Any thread may call it."""
-        cursor, attractors = self._cursor, _permanent(simulation.attractors)
-        if cursor is not None:
-            attractors = *attractors, Attractor(CURSOR_STRENGTH, cursor, passing=True)
-        simulation.attract(attractors)
-        return cursor is not None
-
-
-def _permanent(attractors: tuple[Attractor, ...]) -> tuple[Attractor, ...]:
-    return tuple(attractor for attractor in attractors if not attractor.passing)
+        self.cursor = point and Attractor(CURSOR_STRENGTH, _within_reach(point), passing=True)
 
 
 def _within_reach(point: Point) -> Point:
@@ -91,11 +75,10 @@ def _within_reach(point: Point) -> Point:
 
 
 class Gravity:
-    """Changes of gravity by the user; an error becomes a message."""
+    """Changes of gravity by the user."""
 
-    def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
+    def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._say = say
 
     @property
     def value(self) -> Point:
@@ -132,12 +115,12 @@ class Gravity:
         return 2 * (max_y - min_y) / FALL_TIME**2
 
     def _change(self, new: Callable[[Point], Point]) -> None:
-        def work(simulation: Simulation) -> None:
+        def work(simulation: Simulation) -> str:
             value = new(simulation.effective_settings.gravity or (0.0, 0.0))
             value = value[0] + 0.0, value[1] + 0.0  # no negative zero
-            self._say(simulation.adjust("gravity", value) or as_text(value))
+            return simulation.adjust("gravity", value) or as_text(value)
 
-        self._engine.edit(work)
+        self._engine.edit(work, "gravity")
 
 
 def as_text(gravity: Point) -> str:

@@ -1,7 +1,6 @@
 """Commands on particles: make, copy, remove, stop, fix, scatter; the brush; and walls."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,10 +17,8 @@ from jostle_lab.simulate.containers import (
     free_among,
     free_positions,
     random_in_disc,
-    wall_images,
 )
-from jostle_lab.simulate.engine import REFUSALS, Engine, message_of
-from jostle_lab.simulate.forces import nearest
+from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Frame, Point, Rect, Tags
 from jostle_lab.simulate.region import Container
 from jostle_lab.simulate.simulation import Simulation
@@ -33,11 +30,11 @@ PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no oth
 
 
 class Commands:
-    """Commands on particles and walls; an error becomes a message."""
+    """Commands on particles and walls: each is an edit of the engine."""
 
-    def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
+    def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self._say = say
+        self._edit = engine.edit
         self.rng = np.random.default_rng()
         self.kind = 0  # the kind of new particles, where forces depend on it
         self.new_filter = {"categories": 1, "masks": EVERY_CATEGORY}  # of new particles
@@ -52,14 +49,14 @@ class Commands:
 
     def create(self, point: Point) -> None:
         """Add a particle at rest, with the median radius and density."""
-        self._add(lambda frame, radius: np.array([point]))
+        self._add(np.array([point]))
 
-    def paint(self, points: NDArray[np.float64]) -> None:
+    def paint(self, points: NDArray[np.float64], stroke: int) -> None:
         """Add such particles at those points at which they overlap nothing."""
-        self._add(lambda frame, radius: points[free_among(points, radius, frame)])
+        self._add(points, f"brush {stroke}")
 
-    def _add(self, places: Callable[[Frame, float], NDArray[np.float64]]) -> None:
-        """Add particles of the chosen kind and filter; `places` has the frame and their radius."""
+    def _add(self, points: NDArray[np.float64], stroke: str = "") -> None:
+        """Add particles of the chosen kind and filter; those of a stroke where nothing is."""
         frame = self._engine.frame
         radius, density = usual(frame)
         kinds = self.new_kind
@@ -67,35 +64,35 @@ class Commands:
         bits = dict(self.new_filter)
 
         def work(simulation: Simulation) -> None:
-            points = places(simulation.frame(), radius)
-            if n := len(points):
-                simulation.add(points, (0, 0), [radius] * n, [density] * n, kinds=kinds, **bits)
+            free = free_among(simulation.world, points, radius) if stroke else slice(None)
+            if n := len(points[free]):
+                simulation.add(
+                    points[free], (0, 0), [radius] * n, [density] * n, kinds=kinds, **bits
+                )
 
-        self._edit(work)
+        self._edit(work, stroke)
 
     def clone(self, tags: Tags) -> None:
         """Add a copy of each particle, all shifted alike; where a wall is, at a free position."""
 
-        def work(simulation: Simulation) -> None:
+        def work(simulation: Simulation) -> str | None:
             frame = simulation.frame()
             rows = frame.rows(tags)
             if not len(rows):
-                return
-            places, there = _places_beside(frame, rows, simulation.view)
-            rows = rows[there]
-            simulation.add(
-                places[there],
-                frame.velocities[rows],
-                frame.radii[rows],
-                frame.densities[rows],
-                movable=frame.movable[rows],
-                sensors=False if frame.sensors is None else frame.sensors[rows] != 0,
-                kinds=None if frame.kinds is None else frame.kinds[rows],
-                categories=frame.categories[rows],
-                masks=frame.masks[rows],
+                return None
+            places = frame.positions[rows] + _beside(frame, rows)
+            radii = frame.radii[rows].astype(np.float64)
+            beside = are_inside(places, radii, frame.container)
+            _add_copies(simulation, frame, rows[beside], places[beside])
+            beyond = rows[~beside]
+            free, found = free_positions(
+                simulation.world, frame.radii[beyond], simulation.view, len(frame)
             )
-            if not there.all():
-                self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
+            _add_copies(simulation, frame, beyond[found], free)
+            added = len(rows) - len(beyond) + len(free)
+            if added == len(rows):
+                return None
+            return f"There was room for {added:,} of {len(rows):,} copies."
 
         self._edit(work)
 
@@ -154,7 +151,8 @@ class Commands:
     @property
     def drawn_walls(self) -> NDArray[np.intp]:
         """Return the rows of the walls that a user drew."""
-        return _drawn(self._engine.frame)
+        frame = self._engine.frame
+        return np.arange(frame.own_walls, len(frame.walls))
 
     def wall(self, start: Point, end: Point) -> None:
         """Add a wall: a line segment."""
@@ -163,33 +161,25 @@ class Commands:
     def erase_wall(self, point: Point, reach: float) -> None:
         """Remove the wall that is nearest to a point, if it is within `reach` of it."""
 
-        def work(simulation: Simulation) -> None:
-            frame = simulation.frame()
-            images, rows = wall_images(frame.container, frame.walls, reach)
-            image, distance = nearest(images, point)
-            if distance <= reach:
-                simulation.remove_walls(rows[image])
-
-        self._edit(work)
+        self._edit(lambda simulation: simulation.remove_wall(point, reach))
 
     def clear_walls(self) -> None:
         if len(self.drawn_walls):
-            self._edit(lambda simulation: simulation.remove_walls(_drawn(simulation.frame())))
-
-    def _edit(self, work: Callable[[Simulation], object]) -> None:
-        """Edit the simulation; an error becomes a message."""
-
-        def edit(simulation: Simulation) -> None:
-            try:
-                work(simulation)
-            except REFUSALS as error:
-                self._say(message_of(error))
-
-        self._engine.edit(edit)
+            self._edit(Simulation.remove_drawn_walls)
 
 
-def _drawn(frame: Frame) -> NDArray[np.intp]:
-    return np.arange(frame.own_walls, len(frame.walls))
+def _add_copies(
+    simulation: Simulation, frame: Frame, rows: NDArray[np.intp], places: Floats
+) -> None:
+    """Add copies of rows of a frame at other places."""
+    if len(rows):
+        simulation.add(
+            places, frame.velocities[rows], frame.radii[rows], frame.densities[rows],
+            movable=frame.movable[rows],
+            sensors=False if frame.sensors is None else frame.sensors[rows] != 0,
+            kinds=None if frame.kinds is None else frame.kinds[rows],
+            categories=frame.categories[rows], masks=frame.masks[rows],
+        )  # fmt: skip
 
 
 def _with_bit(bits: ArrayLike, bit: int, on: bool) -> NDArray[np.uint32]:
@@ -219,23 +209,6 @@ def scatter(rng: np.random.Generator, container: Container, view: Rect, radii: F
     return places
 
 
-def _places_beside(
-    frame: Frame, rows: NDArray[np.intp], view: Rect
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return positions for copies, and which copies have one."""
-    places = frame.positions[rows] + _beside(frame, rows)
-    radii = frame.radii[rows].astype(np.float64)
-    there = are_inside(places, radii, frame.container)
-    beyond = np.flatnonzero(~there)
-    free, found = free_positions(
-        np.concatenate([frame.positions, places[there]]),
-        np.concatenate([frame.radii, radii[there]]),
-        radii[beyond], frame.container, view, len(frame), frame.walls,
-    )  # fmt: skip
-    places[beyond[found]], there[beyond[found]] = free, True
-    return places, there
-
-
 def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
     """Return the shift from the originals to their copies, to the side with more space."""
     places, radii = frame.positions[rows].astype(np.float64), frame.radii[rows, None]
@@ -259,6 +232,7 @@ class Brush:
     def __init__(self, engine: Engine, commands: Commands) -> None:
         self._engine, self._commands = engine, commands
         self._at: Point = (0.0, 0.0)
+        self._strokes = 0
         self._size = (-1, 0.0)  # number of particles, and the radius of a new one
 
     @property
@@ -268,7 +242,7 @@ class Brush:
 
     def begin(self, point: Point) -> None:
         """Add particles around a point, where a stroke begins."""
-        self._at = point
+        self._at, self._strokes = point, self._strokes + 1
         self._add(np.array([point]))
 
     def stroke(self, point: Point) -> None:
@@ -285,7 +259,7 @@ class Brush:
     def _add(self, middles: NDArray[np.float64]) -> None:
         middles = np.repeat(middles, DROPS, axis=0)
         offsets = self.radius * random_in_disc(self._commands.rng, len(middles))
-        self._commands.paint(middles + offsets)
+        self._commands.paint(middles + offsets, self._strokes)
 
     def _particle(self) -> float:
         """Return the radius of a new particle; a median, so it is kept while no number changes."""

@@ -12,7 +12,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.simulate.containers import diagonal
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Point, Rect, Tags
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Held, Inputs
 
 DURATION = 3.0  # seconds that a message is shown
 
@@ -24,9 +24,9 @@ class Messages:
         self.now = 0.0  # seconds since the session began
         self._message = "", 0.0  # and when it ends; replaced by threads, never changed
 
-    def say(self, message: str | None) -> None:
+    def say(self, message: str | None, duration: float = DURATION) -> None:
         if message:
-            self._message = message, self.now + DURATION
+            self._message = message, self.now + duration
 
     @property
     def current(self) -> str:
@@ -39,29 +39,21 @@ THROW_WINDOW = 0.1  # seconds over which the cursor's velocity is averaged for a
 DRAG_WINDOW = 0.035  # seconds, for a held particle; it overshoots if they are more
 
 
-@dataclass(frozen=True)
-class DragState:
-    """The held particle and the cursor; immutable, so threads may share it."""
-
-    tag: int
-    point: Point
-    velocity: Point
-
-
 class DragTool:
     """The cursor's position and velocity, and the tag of the held particle.
 
-    Only the UI thread uses it; the worker thread reads `state`.
+    `state` is immutable, because the worker thread reads it.
     """
 
     def __init__(self) -> None:
         self.held: int | None = None
-        self.state: DragState | None = None  # the present drag; None if no particle is held
+        self._drags = 0
+        self.state: Held | None = None  # the present drag; None if no particle is held
         self._path: deque[tuple[float, Point]] = deque([(0.0, (0.0, 0.0))])
 
     def grab(self, tag: int | None, point: Point, now: float) -> None:
         """Begin to hold a particle, or none."""
-        self.held = tag
+        self.held, self._drags = tag, self._drags + 1
         self._path.clear()
         self.follow(point, now)
 
@@ -76,17 +68,17 @@ class DragTool:
         """Release the particle without changing it."""
         self.held = self.state = None
 
-    def release(self) -> DragState | None:
+    def release(self) -> Held | None:
         """Release the particle; return what is thrown, with the velocity of the cursor."""
         thrown = self._state(THROW_WINDOW)
         self.drop()
         return thrown
 
-    def _state(self, span: float) -> DragState | None:
+    def _state(self, span: float) -> Held | None:
         """Return the drag, with the mean velocity of the cursor over a number of seconds."""
         if self.held is None:
             return None
-        return DragState(self.held, self._path[-1][1], self._velocity(span))
+        return Held(self.held, self._path[-1][1], self._velocity(span), self._drags)
 
     def _velocity(self, span: float) -> Point:
         end, last = self._path[-1]
@@ -162,9 +154,9 @@ class Interaction:
         self.drag_tool = DragTool()
         self.selection = Selection()
         self.attractors = Attractors(engine)
-        self.commands = Commands(engine, messages.say)
+        self.commands = Commands(engine)
         self.brush = Brush(engine, self.commands)
-        self.gravity = Gravity(engine, messages.say)
+        self.gravity = Gravity(engine)
         self.menu: Menu | None = None
         self._drag: Drag | None = None
         self._moved = False  # whether the mouse has moved over the scene
@@ -220,7 +212,10 @@ class Interaction:
         thrown = self.drag_tool.release()
         if thrown is not None and throw:
             tags, velocities = [thrown.tag], [thrown.velocity]
-            self._engine.edit(lambda simulation: simulation.change(tags, velocities=velocities))
+            self._engine.edit(
+                lambda simulation: simulation.change(tags, velocities=velocities),
+                f"drag {thrown.drag}",
+            )
 
     def cancel(self) -> bool:
         """Cancel the current drag; return whether there was one."""
@@ -303,24 +298,17 @@ class Interaction:
         """Record the position of the cursor, for its velocity."""
         self.drag_tool.follow(self.at_cursor(), self._messages.now)
 
-    def before_step(self, simulation: Simulation) -> bool:
-        """Apply the drag and the attractors; return whether there is a drag or Space is held.
-
-        The worker thread calls it. What it reads is immutable, and each is read once.
-        """
-        drag, attracting = self.drag_tool.state, self.attractors.apply(simulation)
-        if drag is None:
-            simulation.release()
-        else:
-            simulation.grab(drag.tag, drag.point, drag.velocity)
-        return drag is not None or attracting
-
-    def place_held(self) -> None:
-        """Move the held particle to the cursor, while the simulation is paused."""
+    def inputs(self, *, paused: bool) -> Inputs:
+        """Return what is held in the next steps; in a pause a held particle is moved instead."""
+        self.track_cursor()
         held = self.drag_tool.state
-        if held is not None:
+        if held is not None and paused:
             tags, places = [held.tag], [held.point]
-            self._engine.edit(lambda moved: moved.change(tags, positions=places), key="drag")
+            self._engine.edit(
+                lambda simulation: simulation.change(tags, positions=places),
+                f"drag {held.drag}", latest=True,
+            )  # fmt: skip
+        return Inputs(held, self.attractors.cursor)
 
     def follow(self) -> None:
         """Update everything that refers to particles that no longer exist."""

@@ -1,10 +1,11 @@
 """Translation of mouse and key events into calls of a session."""
 
 import math
+from pathlib import Path
 
 import pygame
 
-from jostle_lab.gui.keymap import COMMANDS, HANDLERS, HELD, PANNING
+from jostle_lab.gui.keymap import COMMANDS, HANDLERS, HELD, PANNING, command_of
 from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Point
 
@@ -25,18 +26,22 @@ class Input:
 
     def handle(self, event: pygame.event.Event) -> None:
         """Handle one event of mouse or keys; others are ignored."""
+        interaction = self._session.interaction
+        before, interaction.cursor = interaction.cursor, event.dict.get("pos", interaction.cursor)
         if event.type == pygame.KEYDOWN:
             self._press_key(event)
         elif event.type == pygame.KEYUP:
-            self._release_key(COMMANDS.get(event.key))
+            self._release_key(COMMANDS.get((event.key, 0)))
+        elif event.type == pygame.DROPFILE:
+            self._session.files.load(Path(event.file))
         elif event.type == pygame.WINDOWFOCUSLOST:
             for command in list(self._down):  # the window gets no events without focus
                 self._release_key(command)
         elif event.type == pygame.MOUSEMOTION:
-            self._move(event.pos)
+            self._move(before, event.pos)
         elif event.type == pygame.MOUSEWHEEL:
             turns = getattr(event, "precise_y", event.y)
-            self._session.camera.zoom_at(self._session.interaction.cursor, ZOOM_STEP**turns)
+            self._session.camera.zoom_at(interaction.cursor, ZOOM_STEP**turns)
         elif event.type == pygame.MOUSEBUTTONDOWN:
             self._press_button(event)
         elif event.type == pygame.MOUSEBUTTONUP:
@@ -56,7 +61,7 @@ class Input:
     # Keys
 
     def _press_key(self, event: pygame.event.Event) -> None:
-        command = COMMANDS.get(event.key)
+        command = command_of(event.key, event.mod)
         if command in HELD:
             self._down.add(command)
         elif command is not None:
@@ -70,9 +75,8 @@ class Input:
 
     # Mouse
 
-    def _move(self, place: Point) -> None:
+    def _move(self, before: Point, place: Point) -> None:
         session = self._session
-        before, session.interaction.cursor = session.interaction.cursor, place
         far = (math.dist(place, start) > CLICK for start in self._panning.values())
         if self._moved or any(far):
             # From where the button was pressed, so that this point stays under the cursor.
@@ -84,7 +88,6 @@ class Input:
 
     def _press_button(self, event: pygame.event.Event) -> None:
         session = self._session
-        session.interaction.cursor = event.pos
         if event.button == LEFT:
             session.interaction.press(
                 add=bool(getattr(event, "mod", pygame.key.get_mods()) & pygame.KMOD_SHIFT)
@@ -95,7 +98,6 @@ class Input:
 
     def _release_button(self, event: pygame.event.Event) -> None:
         session = self._session
-        session.interaction.cursor = event.pos
         if event.button == LEFT:
             session.interaction.release(throw=not session.runner.paused)
         elif self._panning.pop(event.button, None) is not None:

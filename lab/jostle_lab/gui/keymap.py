@@ -20,7 +20,8 @@ class Control:
 
     label: str  # the keys, two spaces apart if each has its own command
     meaning: str
-    keys: dict[str, str] = field(default_factory=dict)  # of each command: pygame's names of keys
+    # Of each command: pygame's names of keys, after "C-" for Ctrl and "S-" for Shift with Ctrl.
+    keys: dict[str, str] = field(default_factory=dict)
 
 
 GROUPS = {
@@ -45,6 +46,7 @@ GROUPS = {
             "delete the selection, or the particle under the cursor",
             {"delete": "DELETE BACKSPACE"},
         ),
+        Control("Ctrl+Z  Ctrl+Y", "undo the last edit; redo", {"undo": "C-z", "redo": "C-y C-S-z"}),
         Control("M", "open the menu at the cursor", {"menu": "m"}),
         Control("W", "explain why the two selected touch or not", {"why": "w"}),
     ),
@@ -60,9 +62,13 @@ GROUPS = {
     ),
     "Time and scene": (
         Control("P", "pause, resume", {"pause": "p"}),
-        Control("O  U", "one step; one step back, or undo", {"step": "o", "step back": "u"}),
+        Control("O  U", "one step; one step back in time", {"step": "o", "step back": "u"}),
         Control(",  .", "slower, faster", {"slower": "COMMA", "faster": "PERIOD"}),
-        Control("R", "restart", {"restart": "r"}),
+        Control(
+            "R",
+            "restart with the present settings; drawn walls, attractors and new particles go",
+            {"restart": "r"},
+        ),
         Control(
             "[  ]",
             "previous, next scene",
@@ -85,19 +91,37 @@ GROUPS = {
     "Files and help": (
         Control("F", "start or stop recording a video", {"record": "f F9"}),
         Control("S", "save a screenshot", {"screenshot": "s F12"}),
-        Control("F5", "save the scene", {"save": "F5"}),
+        Control("Ctrl+S  Ctrl+O", "save the scene; open one", {"save": "C-s F5", "open": "C-o"}),
         Control("H", "show or hide this list", {"help": "h F1"}),
-        Control("Esc", "cancel a drag, close a menu or the help, quit", {"escape": "ESCAPE"}),
+        Control("Esc", "cancel a drag, close a menu or the help, deselect", {"escape": "ESCAPE"}),
+        Control("Ctrl+Q", "quit; unsaved edits are kept", {"quit": "C-q"}),
     ),
 }
 KEYMAP = tuple(control for group in GROUPS.values() for control in group)
 
-COMMANDS: dict[int, str] = {  # by pygame's numbers of keys
-    getattr(pygame, f"K_{key}"): command
+Key = tuple[int, int]  # pygame's number, and its modifiers: Ctrl and, with it, Shift
+
+
+def _key(name: str) -> Key:
+    *modifiers, key = name.split("-")
+    bits = {"C": pygame.KMOD_CTRL, "S": pygame.KMOD_SHIFT}
+    return getattr(pygame, f"K_{key}"), sum(bits[modifier] for modifier in modifiers)
+
+
+COMMANDS: dict[Key, str] = {
+    _key(key): command
     for control in KEYMAP
     for command, keys in control.keys.items()
     for key in keys.split()
 }
+
+
+def command_of(key: int, modifiers: int = 0) -> str | None:
+    """Return the command of a key with pygame's modifiers, or None."""
+    control = bool(modifiers & (pygame.KMOD_CTRL | pygame.KMOD_META))
+    shift = control and bool(modifiers & pygame.KMOD_SHIFT)
+    return COMMANDS.get((key, control * pygame.KMOD_CTRL + shift * pygame.KMOD_SHIFT))
+
 
 # Commands that last while their key is down: the arrows, as directions on the screen, and Space.
 PANNING = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
@@ -151,6 +175,10 @@ HANDLERS: dict[str, Command] = {
     "record": lambda s: s.files.toggle_recording(),
     "screenshot": lambda s: s.files.screenshot(),
     "save": lambda s: s.files.save(),
+    "open": Session.choose_file,
+    "undo": lambda s: s.runner.undo(),
+    "redo": lambda s: s.runner.redo(),
+    "quit": Session.quit,
     "help": lambda s: s.toggle("help"),
     "escape": Session.escape,
 }

@@ -13,6 +13,7 @@ statistics_panel        times, pairs, energy, momentum, with their plots
 column                  the time, a slider over the last 30 s, and the sections at the left
 cards                   messages and explanations over the scene; the list of mouse and keys
 menus                   the context menus and their items
+open_panel              the window of Ctrl+O
 ======================= ========================================================================
 """
 
@@ -22,7 +23,7 @@ from imgui_bundle import imgui
 
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.style import arrange
-from jostle_lab.panels import cards, column, menus, statistics_panel
+from jostle_lab.panels import cards, column, menus, open_panel, statistics_panel
 from jostle_lab.session import Session
 
 Builder = Callable[[Session, Gui], None]
@@ -41,3 +42,4 @@ def build(session: Session, gui: Gui) -> None:
     if options.help:
         cards.build_help(gui)
     menus.build(session, gui)
+    open_panel.build(session, gui)

@@ -11,9 +11,8 @@ from pydantic.dataclasses import dataclass
 
 import jostle
 from jostle_lab.schema import FARTHEST, FORBID, ContainerKind, Count, Region, fault
-from jostle_lab.simulate.forces import Ends, clear_of
-from jostle_lab.simulate.frame import Frame, Rect
-from jostle_lab.simulate.region import Container, Torus, set_container
+from jostle_lab.simulate.frame import Rect
+from jostle_lab.simulate.region import Container, Torus, container_of
 
 Floats = NDArray[np.floating]
 
@@ -190,18 +189,10 @@ def directions(rng: np.random.Generator, count: int) -> Floats:
 
 
 def free_positions(
-    taken: Floats,
-    taken_radii: Floats,
-    radii: Floats,
-    container: Container,
-    view: Rect,
-    seed: int,
-    walls: Ends,
-) -> tuple[Floats, NDArray[np.intp]]:
+    world: jostle.World, radii: Floats, view: Rect, seed: int
+) -> tuple[NDArray[np.float32], NDArray[np.intp]]:
     """Return random free positions for discs, and the rows of the discs that have one."""
-    world = jostle.World(taken, taken_radii, walls=walls)
-    set_container(world, container)
-    x0, y0, x1, y1 = common(bounds(container), view)
+    x0, y0, x1, y1 = common(bounds(container_of(world)), view)
     around, rows = float(np.min(radii, initial=FARTHEST)), np.argsort(-radii, kind="stable")
     region = jostle.Box(x0 - around, y0 - around, x1 + around, y1 + around)  # of whole discs
     rows = rows[radii[rows] <= around + min(x1 - x0, y1 - y0) / 2]
@@ -211,35 +202,19 @@ def free_positions(
         except ValueError as error:
             found = re.search(r"there is room for (\d+)", str(error))
             rows = rows[: int(found[1]) if found else 0]
-    return np.zeros((0, 2)), rows
+    return np.zeros((0, 2), np.float32), rows
 
 
-def free_among(places: Floats, radius: float, frame: Frame) -> NDArray[np.intp]:
+def free_among(world: jostle.World, places: Floats, radius: float) -> NDArray[np.intp]:
     """Return the rows of the places at which a disc overlaps nothing, and none of these rows."""
-    radii = np.full(len(places), radius)
-    images, _ = wall_images(frame.container, frame.walls, radius)
-    free = are_inside(places, radii, frame.container)
-    free &= _clear_of(
-        places, radii, frame.positions.astype(np.float64), frame.radii.astype(np.float64)
-    )
-    rows = np.flatnonzero(free & clear_of(places, radii, images))
-    return rows[_apart(places[rows], radii[rows])]
-
-
-def _clear_of(tries: Floats, radii: Floats, there: Floats, sizes: Floats) -> NDArray[np.bool_]:
-    """Return which tries overlap no disc."""
-    clear = np.ones(len(tries), np.bool_)
-    if len(there):
-        new, old = jostle.Quadtree(tries, radii * NEAR), jostle.Quadtree(there, sizes * NEAR)
-        clear[new.pairs(old)[:, 0].astype(np.intp)] = False
-    return clear
-
-
-def _apart(places: Floats, radii: Floats) -> NDArray[np.bool_]:
-    """Return which positions overlap none before them."""
-    apart = np.ones(len(places), np.bool_)
-    apart[jostle.find_pairs(places, radii * NEAR)[:, 1].astype(np.intp)] = False
-    return apart
+    radii = np.full(len(places), radius * NEAR)
+    free = are_inside(places, radii / NEAR, container_of(world))
+    for there in (world, world.walls):
+        free &= np.diff(there.query_circle(places, radii).offsets) == 0
+    rows = np.flatnonzero(free)
+    apart = np.ones(len(rows), np.bool_)
+    apart[jostle.find_pairs(places[rows], radii[rows])[:, 1].astype(np.intp)] = False
+    return rows[apart]
 
 
 def common(walls: Rect | None, view: Rect) -> Rect:

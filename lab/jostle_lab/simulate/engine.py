@@ -1,29 +1,33 @@
-"""The engine: steps and edits a simulation on a worker thread.
+"""The engine: one queue of jobs that step, edit and load simulations on worker threads.
 
-Only one thread at a time uses a simulation. The UI thread starts a job (edits, then steps, then a
-frame), continues with the last finished frame, and takes the result later. In synchronous mode, for
-tests and videos, each job is run at its start. New simulations are made on another thread, while
-the present one is shown.
-
-An error of a step, such as a speed beyond the limits, is kept in `error`.
+The UI thread starts a job (the inputs, the due steps, a frame), continues with the last finished
+frame, and takes the result later; nothing calls back. Only one thread at a time uses a simulation.
+In synchronous mode, for tests and videos, each job is run at its start.
 """
 
 import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 
 from jostle_lab.schema import Settings
 from jostle_lab.simulate.frame import Frame, FrameRequest
-from jostle_lab.simulate.history import History
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.history import History, Undo
+from jostle_lab.simulate.simulation import Edit, Inputs, Simulation, Work
 
 T = TypeVar("T")
+Create = Callable[[], Simulation]
 
 SWITCH_INTERVAL = 0.001  # seconds after which a thread releases the interpreter
+MAX_STEPS = 3  # steps at real time; more are dropped, so simulated time slows down if they are slow
+BUDGET = 0.025  # seconds of steps per frame, so that the window stays responsive
+UNLIMITED = 10_000  # steps of a job that runs as fast as possible
+SMOOTH = 0.2  # weight of a new measurement
+MESSAGE_DELAY = 0.3  # seconds after which the message of a loading scene is shown
+REFUSALS = (ValueError, OverflowError, MemoryError)
 
 
 class Worker:
@@ -64,45 +68,30 @@ class Worker:
             self._pool = None
 
 
-MAX_STEPS = 3  # steps; more are dropped, so simulated time slows down on a slow machine
-BUDGET = 0.025  # seconds of steps per frame, so that the window stays responsive
-SMOOTH = 0.2  # weight of a new measurement
-REFUSALS = (ValueError, OverflowError, MemoryError)
-
-Edit = Callable[[Simulation], object]
-Act = Callable[[Simulation], bool]
-Then = Callable[[], None]
-MakeSteps = Callable[[Callable[[], None]], object]  # calls its argument for each step
-
-
 class FixedTimestep:
-    """Accumulates real time, and converts it to steps of `time_step` seconds."""
+    """Accumulates simulated time, and converts it to steps of `time_step` seconds."""
 
-    def __init__(self, time_step: float, clock: Callable[[], float] = time.perf_counter) -> None:
-        self._time_step = time_step
-        self._clock = clock
-        self._accumulated = 0.0
+    def __init__(self, time_step: float) -> None:
+        self._time_step, self._accumulated = time_step, 0.0
 
-    def is_due(self, elapsed: float) -> bool:
-        """Return whether a step would be due after `elapsed` more seconds."""
-        return self._accumulated + elapsed >= self._time_step / 2
+    def add(self, elapsed: float, speed: float = 1.0) -> None:
+        """Add seconds of real time at a speed; what exceeds the limit of steps is dropped."""
+        most = MAX_STEPS * max(speed, 1.0) * self._time_step
+        self._accumulated = min(self._accumulated + elapsed * speed, most)
 
-    def advance(self, elapsed: float, step: Callable[[], None], most: int = MAX_STEPS) -> int:
-        """Add `elapsed` seconds; call `step` for each due step, at most `most` times.
+    @property
+    def due(self) -> int:
+        """Return the number of due steps.
 
-        Returns the number of calls.
+        The remainder is within ± half a step. So a screen near 60 Hz gets one step per frame; with
+        a remainder of 0 to 1 step, it would sometimes get none and then two.
         """
-        self._accumulated = min(self._accumulated + elapsed, MAX_STEPS * self._time_step)
-        start, steps = self._clock(), 0
-        # The remainder is within ± half a step. So a screen near 60 Hz gets one step per frame;
-        # with a remainder of 0 to 1 step, it would sometimes get none and then two.
-        while steps < most and self._accumulated >= self._time_step / 2:
-            if steps and self._clock() - start > BUDGET:
-                break
-            step()
-            self._accumulated -= self._time_step
-            steps += 1
-        return steps
+        return int(self._accumulated / self._time_step + 0.5)
+
+    def take(self, steps: int) -> None:
+        """Subtract steps that were made, due or not."""
+        left = self._accumulated - steps * self._time_step
+        self._accumulated = max(left, -self._time_step / 2)
 
 
 def message_of(error: BaseException) -> str:
@@ -110,62 +99,90 @@ def message_of(error: BaseException) -> str:
 
 
 @dataclass(frozen=True)
-class _Waiting:
-    """An edit, and what the UI thread does after it."""
+class Job:
+    """What the worker thread does: first the inputs' edits, then steps, then a frame.
 
-    work: Edit
-    changes: bool
-    then: Then | None
-    key: str | None
+    It has everything that it needs, so it has no effect on the engine if it is abandoned.
+    """
+
+    simulation: Simulation
+    request: FrameRequest
+    history: History | None
+    undo: Undo
+    inputs: Inputs
+    steps: int = 0
+    budget: float = BUDGET  # seconds; at least one step is made
+
+    def run(self) -> "Result":
+        simulation, inputs = self.simulation, self.inputs
+        results = [self._edit(edit) for edit in inputs.edits]
+        if not inputs.holds:
+            simulation.hold(inputs)
+        seconds: list[tuple[float, float]] = []
+        error, end = "", time.perf_counter() + self.budget
+        try:
+            while len(seconds) < self.steps and (not seconds or time.perf_counter() < end):
+                start = time.perf_counter()
+                if inputs.holds:
+                    self._touch(inputs.holds)  # now, since the force stays if the step is refused
+                began = time.perf_counter()
+                simulation.step(inputs)
+                alone = time.perf_counter() - began
+                if self.history is not None:
+                    self.history.after(simulation)
+                seconds.append((alone, time.perf_counter() - start))
+        except REFUSALS as refusal:
+            error = message_of(refusal)
+        return Result(simulation.frame(self.request), seconds, error, results)
+
+    def _edit(self, edit: Edit) -> object:
+        if edit.changes:
+            self._touch(edit.key)
+        try:
+            return edit.work(self.simulation)
+        except REFUSALS as error:
+            return message_of(error)
+
+    def _touch(self, key: str) -> None:
+        """Record the state before a change by the user."""
+        self.undo.record(key, self.simulation, self.history)
+        if self.history is not None:
+            self.history.touch()
 
 
 @dataclass(frozen=True)
-class _Result:
+class Result:
     """The result of a job; nothing of the engine changes before the UI thread takes it."""
 
     frame: Frame
     seconds: list[tuple[float, float]]  # of each step, alone and with recording
     error: str
-    then: list[Then]
+    results: list[object]  # of the edits
 
 
-def _run(
-    simulation: Simulation,
-    request: FrameRequest,
-    history: History | None,
-    act: Act,
-    edits: list[_Waiting],
-    make_steps: MakeSteps,
-) -> _Result:
-    """Do a job on the worker thread: edits, steps, and a frame.
+@dataclass(frozen=True)
+class Scene:
+    """A simulation that can be shown: its frame and its history."""
 
-    It is given everything that it needs, so it has no effect on the engine if it is abandoned.
-    """
-    for edit in edits:
-        if edit.changes and history is not None:
-            history.touch()
-        edit.work(simulation)
-    seconds: list[tuple[float, float]] = []
-    error = ""
-    try:
-        make_steps(lambda: seconds.append(_step(simulation, history, act)))
-    except REFUSALS as refusal:
-        error = message_of(refusal)
-    then = [edit.then for edit in edits if edit.then is not None]
-    return _Result(simulation.frame(request), seconds, error, then)
+    simulation: Simulation
+    frame: Frame
+    history: History | None
 
 
-def _step(simulation: Simulation, history: History | None, act: Act) -> tuple[float, float]:
-    """Make and record one step; return its seconds, alone and with recording."""
-    start = time.perf_counter()
-    if act(simulation) and history is not None:
-        history.touch()  # now, since the act stays if the step is refused
-    began = time.perf_counter()
-    simulation.step()
-    alone = time.perf_counter() - began
-    if history is not None:
-        history.after(simulation)
-    return alone, time.perf_counter() - start
+@dataclass(frozen=True)
+class Loading:
+    """A scene that is being made, and the message to show meanwhile."""
+
+    job: Future[Scene]
+    message: str
+    settings: Settings | None  # None if it is read from a file
+    name: str  # of what the caller does with it
+    began: float
+
+
+def load(create: Create, request: FrameRequest) -> Scene:
+    simulation = create()
+    return Scene(simulation, simulation.frame(request), History(simulation))
 
 
 class Engine:
@@ -177,52 +194,65 @@ class Engine:
     def __init__(self, simulation: Simulation, *, synchronous: bool = False) -> None:
         self.synchronous = synchronous
         self.request = FrameRequest()  # what the next frames must contain
-        self.history: History | None = None  # records the steps, if there is one
-        # Applies what the user does during a step, such as a drag; returns whether it is anything.
-        self.act: Act = lambda simulation: False
+        self.undo = Undo()  # the states before the edits; also of earlier scenes
         self.steps = 0
         self.last_step: int | None = None  # after so many steps `advance` makes no more
+        self.unlimited = False  # whether steps are made as fast as possible
         self.last_seconds = 0.0  # time of the last step, alone
+        self.loading: Loading | None = None
+        self.inputs = Inputs()  # of the next job
         self._worker = Worker("jostle-step", synchronous=synchronous)
-        self._job: Future[_Result] | None = None
-        self._edits: list[_Waiting] = []
-        self.take(simulation)
+        self._loader = Worker("jostle-load", synchronous=synchronous)
+        self._job: Future[Result] | None = None
+        self._at_work: tuple[Edit, ...] = ()  # the edits of that job
+        self._finished: list[tuple[str, object]] = []
+        self.take(Scene(simulation, simulation.frame(self.request), None))
 
-    def take(self, simulation: Simulation, frame: Frame | None = None) -> None:
-        """Continue with another simulation, and its frame if there is one.
+    def take(self, scene: Scene) -> None:
+        """Continue with another scene.
 
         A job of the previous one is abandoned, and its edits are discarded.
         """
         self.abandon()
-        self._edits.clear()
-        self._single = self._stale = False  # a single step, or a frame, is requested
-        self._elapsed = 0.0
         self.error = ""  # message of a failed step; no more steps are made until `take_error`
-        self.simulation = simulation
-        self.scene, self.time_step = simulation.settings.scene, simulation.time_step
+        self.simulation, self.frame, self.history = scene.simulation, scene.frame, scene.history
+        self.time_step = scene.simulation.time_step
         self._note_settings()
-        self._timestep = FixedTimestep(simulation.time_step)
+        self._timestep = FixedTimestep(self.time_step)
         self.step_seconds = 0.0  # of a step alone, smoothed
         self.whole_seconds = 0.0  # of a step with recording, smoothed
-        self.frame = simulation.frame(self.request) if frame is None else frame  # the last state
+
+    @property
+    def scene(self) -> str:
+        return self.settings.scene
 
     @property
     def busy(self) -> bool:
         return self._job is not None and not self._job.done()
 
-    def edit(
-        self, work: Edit, *, changes: bool = True, then: Then | None = None, key: str | None = None
-    ) -> None:
-        """Change the simulation after the current job; a later frame shows it.
+    # Inputs
 
-        `changes` is False for an edit that only reads, or restores an earlier state. `then` is
-        called on the UI thread, when the frame shows the edit. An edit that still waits with the
-        same `key` is replaced by this one.
+    def edit(
+        self, work: Work, key: str = "", *, changes: bool = True, latest: bool = False
+    ) -> Future[object]:
+        """Change the simulation after the current job; return the future result.
+
+        `take_finished` returns the result too, when the frame shows the edit. `changes` is False
+        for an edit that only reads, or restores an earlier state. With `latest` an edit that still
+        waits with the same key is replaced by this one.
         """
-        if key is not None:
-            self._edits = [edit for edit in self._edits if edit.key != key]
-        self._edits.append(_Waiting(work, changes, then, key))
+        edit = Edit(work, key, changes)
+        waiting = self.inputs.edits
+        if latest:
+            waiting = tuple(other for other in waiting if other.key != key)
+        self.inputs = replace(self.inputs, edits=(*waiting, edit))
         self.poll()
+        return edit.result
+
+    def take_finished(self) -> list[tuple[str, object]]:
+        """Return the keys and results of the edits that were finished since the last call."""
+        finished, self._finished = self._finished, []
+        return finished
 
     def refresh(self) -> None:
         """Request a frame without a step, after a change of `request`."""
@@ -237,22 +267,33 @@ class Engine:
     def poll(self) -> None:
         """Take a finished job, and start one for what was requested."""
         if not self.busy:
-            self._collect()  # which may start a job
-            if self._job is None and self._requested:
-                self._start()
+            self._collect()
+            if self._requested:
+                self._start(self._single)
 
-    def advance(self, elapsed: float) -> int:
-        """Add `elapsed` simulated seconds; return the steps finished since the last call."""
-        self._elapsed += elapsed
+    def hold(self, inputs: Inputs) -> None:
+        """Use what the user holds in the next jobs; a frame shows its end."""
+        self._stale |= bool(self.inputs.holds) and not inputs.holds
+        self.inputs = replace(inputs, edits=self.inputs.edits + inputs.edits)
+
+    def advance(self, elapsed: float, inputs: Inputs, *, paused: bool = False) -> int:
+        """Add `elapsed` seconds of real time; return the steps finished since the last call.
+
+        In a pause only what was requested is done.
+        """
+        self.hold(inputs)
+        if not paused:
+            self._timestep.add(elapsed, self.settings.time_scale)
         if self.busy:
             return 0
         before = self.steps
         self._collect()
-        left = MAX_STEPS if self.last_step is None else min(MAX_STEPS, self.last_step - self.steps)
-        due = left > 0 and not self.error and self._timestep.is_due(self._elapsed)
-        if due and self._job is None:
-            self._start(partial(self._timestep.advance, self._elapsed, most=left))
-            self._elapsed = 0.0
+        due = UNLIMITED if self.unlimited and elapsed > 0 else self._timestep.due
+        if self.last_step is not None:
+            due = min(due, self.last_step - self.steps)
+        if due > 0 and not self.error and not paused:
+            # A slow window gives both sides of a comparison more time alike.
+            self._start(due, max(BUDGET, elapsed) if self.unlimited else BUDGET)
         else:
             self.poll()
         return self.steps - before
@@ -260,8 +301,10 @@ class Engine:
     def step(self) -> None:
         """Make one step on the calling thread; its error is raised."""
         self.wait()
-        self._note_step(*_step(self.simulation, self.history, self.act))
-        self.frame = self.simulation.frame(self.request)
+        result = self._job_of(1).run()
+        self._take_result(result)
+        if self.error:
+            raise ValueError(self.take_error())
 
     def take_error(self) -> str:
         """Return the message of a failed step, once."""
@@ -272,46 +315,41 @@ class Engine:
         """Wait for the current job, and for everything that was requested."""
         self._collect()
         while self._requested:
-            if self._job is None:
-                self._start()
+            self._start(self._single)
             self._collect()
 
     def close(self) -> None:
-        """Wait for the current job, and end the thread."""
+        """Wait for the current job, and end the threads."""
+        self.cancel_loading()
         try:
-            self._collect()
+            self.wait()
         finally:
             self._worker.close()
 
     def abandon(self) -> None:
-        """Discard the current job without waiting for it."""
+        """Discard the current job without waiting for it, and all that was requested."""
         if self.busy:
             self._worker.abandon()
+            self.undo = self.undo.copy()
         self._job = None
+        self.inputs = Inputs()
+        self._single = self._stale = False  # a single step, or a frame, is requested
 
     @property
     def _requested(self) -> bool:
-        return bool(self._edits) or self._single or self._stale
+        return bool(self.inputs.edits) or self._single or self._stale
 
-    def _note_step(self, alone: float, whole: float) -> None:
-        self.last_seconds = alone
-        self.steps += 1
-        self.step_seconds = _smoothed(self.step_seconds, alone)
-        self.whole_seconds = _smoothed(self.whole_seconds, whole)
+    def _job_of(self, steps: int, budget: float = BUDGET) -> Job:
+        """Return a job with the waiting inputs."""
+        inputs, self.inputs = self.inputs, replace(self.inputs, edits=())
+        self._at_work = inputs.edits
+        request = self.request
+        return Job(self.simulation, request, self.history, self.undo, inputs, steps, budget)
 
-    def _note_settings(self) -> None:
-        """Copy what can be read while the simulation is in use."""
-        simulation = self.simulation
-        self.settings, self.view = simulation.settings, simulation.view
-        self.effective_settings = simulation.effective_settings
-
-    def _start(self, steps: MakeSteps | None = None) -> None:
-        """Start a job with the waiting edits, and the requested step unless others are given."""
-        edits, self._edits = self._edits, []
-        single, self._single, self._stale = self._single and not self.error, False, False
-        make_steps = steps or (lambda step: step() if single else None)
-        job = partial(_run, self.simulation, self.request, self.history, self.act)
-        self._job = self._worker.submit(partial(job, edits, make_steps))
+    def _start(self, steps: int, budget: float = BUDGET) -> None:
+        steps = 0 if self.error else steps
+        self._single = self._stale = False
+        self._job = self._worker.submit(self._job_of(steps, budget).run)
         if self.synchronous:
             self._collect()
 
@@ -320,92 +358,70 @@ class Engine:
         if self._job is not None:
             job, self._job = self._job, None
             result = job.result()
-            self.frame = result.frame
-            for seconds in result.seconds:
-                self._note_step(*seconds)
-            self.error = result.error or self.error
-            self._note_settings()
-            for then in result.then:
-                then()
+            self._timestep.take(len(result.seconds))
+            self._take_result(result)
+
+    def _take_result(self, result: Result) -> None:
+        self.frame = result.frame
+        for alone, whole in result.seconds:
+            self.last_seconds = alone
+            self.steps += 1
+            self.step_seconds = _smoothed(self.step_seconds, alone)
+            self.whole_seconds = _smoothed(self.whole_seconds, whole)
+        self.error = result.error or self.error
+        self._note_settings()
+        for edit, value in zip(self._at_work, result.results, strict=True):
+            edit.result.set_result(value)
+            self._finished.append((edit.key, value))
+
+    def _note_settings(self) -> None:
+        """Copy what can be read while the simulation is in use."""
+        simulation = self.simulation
+        self.settings, self.view = simulation.settings, simulation.view
+        self.effective_settings = simulation.effective_settings
+
+    # Scenes
+
+    def load(
+        self, create: Create, request: FrameRequest, message: str, settings: Settings | None = None,
+        name: str = "",
+    ) -> None:  # fmt: skip
+        """Begin to make a scene, while the present one is stepped; one in progress is cancelled."""
+        self.cancel_loading()
+        job = self._loader.submit(partial(load, create, request))
+        self.loading = Loading(job, message, settings, name, time.perf_counter())
+
+    @property
+    def message(self) -> str:
+        """Return the message to show while a scene is loading, or an empty string."""
+        loading = self.loading
+        late = loading is not None and time.perf_counter() - loading.began >= MESSAGE_DELAY
+        return loading.message if loading is not None and late else ""
+
+    def cancel_loading(self) -> None:
+        """Discard the scene in progress; its thread ends by itself."""
+        if self.loading is not None and not (self.loading.job.done() or self.loading.job.cancel()):
+            self._loader.abandon()
+        self.loading = None
+
+    def take_loaded(self) -> tuple[Scene | str, str] | None:
+        """Return a finished scene or an error message, and its name, once; None without."""
+        loading = self.loading
+        if loading is None or not loading.job.done():
+            return None
+        self.cancel_loading()
+        try:
+            return loading.job.result(), loading.name
+        except REFUSALS as error:
+            return message_of(error), loading.name
+
+    def wait_for_loading(self) -> None:
+        if self.loading is not None:
+            self.loading.job.exception()
 
 
 def _smoothed(mean: float, new: float) -> float:
     return mean + (new - mean) * (SMOOTH if mean else 1.0)
-
-
-Create = Callable[[], Simulation]
-
-MESSAGE_DELAY = 0.3  # seconds after which a message is shown
-
-
-@dataclass(frozen=True)
-class LoadedScene:
-    """A simulation in its initial state, with its first frame and the beginning of its history."""
-
-    simulation: Simulation
-    frame: Frame
-    history: History
-
-
-class SceneLoader:
-    """Makes one simulation at a time."""
-
-    def __init__(self, *, synchronous: bool = False) -> None:
-        # Those of the simulation in progress, unless it is read from a file.
-        self.settings: Settings | None = None
-        self._message, self._began = "", 0.0
-        self._then: Then | None = None
-        self._worker = Worker("jostle-load", synchronous=synchronous)
-        self._job: Future[LoadedScene] | None = None
-
-    @property
-    def message(self) -> str:
-        """Return the message to show meanwhile, or an empty string."""
-        late = time.perf_counter() - self._began >= MESSAGE_DELAY
-        return self._message if self._job is not None and late else ""
-
-    def start(
-        self,
-        create: Create,
-        request: FrameRequest,
-        message: str,
-        settings: Settings | None = None,
-        then: Then | None = None,
-    ) -> None:
-        """Begin to make a simulation; one in progress is cancelled.
-
-        `then` is called after it has replaced the present one.
-        """
-        self.cancel()
-        self.settings, self._then = settings, then
-        self._message, self._began = message, time.perf_counter()
-        self._job = self._worker.submit(partial(load, create, request))
-
-    def cancel(self) -> None:
-        """Discard the simulation in progress; its thread ends by itself."""
-        if self._job is not None and not (self._job.done() or self._job.cancel()):
-            self._worker.abandon()
-        self._job = self.settings = self._then = None
-
-    def take(self) -> tuple[LoadedScene, Then | None] | str | None:
-        """Return a finished simulation, or an error message, once; None if there is none."""
-        if self._job is None or not self._job.done():
-            return None
-        job, then = self._job, self._then
-        self.cancel()
-        try:
-            return job.result(), then
-        except REFUSALS as error:
-            return message_of(error)
-
-    def wait(self) -> None:
-        if self._job is not None:
-            self._job.exception()
-
-
-def load(create: Create, request: FrameRequest) -> LoadedScene:
-    simulation = create()
-    return LoadedScene(simulation, simulation.frame(request), History(simulation))
 
 
 def expected(settings: Settings) -> int:

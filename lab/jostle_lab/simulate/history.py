@@ -1,17 +1,20 @@
-"""Rewinding: snapshots of the last 30 s within a memory budget, and the steps between them.
+"""Rewinding and undo: snapshots of the last 30 s, and of the states before edits.
 
 A *moment* is the state after a step. Some moments have a snapshot; the others are re-simulated
 from the snapshot before them, which gives the same bits. After an edit by the user that is not
-possible, so these moments have a snapshot or are not stored.
+possible, so these moments have a snapshot or are not stored. Undo is independent of moments.
 """
 
+import time
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from jostle_lab.simulate.simulation import Simulation
 
 SECONDS = 30.0
 BUDGET = 256 * 2**20  # bytes of snapshots
+UNDO_BUDGET = 128 * 2**20  # bytes of the states before edits
+ONE_EDIT = 1.0  # seconds; edits of the same key with shorter pauses are one
 MOST_STRIDE = 64  # steps between two snapshots at most
 PATIENCE = 0.25  # seconds of re-simulation; beyond, the snapshot before is shown
 
@@ -105,6 +108,11 @@ class History:
             self._keep(Moment(self._time, False, simulation.save()))
             self._changed = False
 
+    def present(self, simulation: Simulation) -> bytes:
+        """Return the present state; it is not copied again if this moment has a snapshot."""
+        known = None if self._changed or self._adrift else self.moments[self.at].state
+        return simulation.save() if known is None else known
+
     def index_of(self, seconds_ago: float) -> int:
         """Return the last moment at least `seconds_ago` before the latest."""
         latest = self.moments[-1].time - seconds_ago + 1e-9
@@ -163,3 +171,52 @@ class History:
         self.at = index
         self.span = self.moments[-1].time - self.moments[0].time
         self.back = self.moments[-1].time - self.moments[index].time
+
+
+@dataclass
+class Undo:
+    """The states before the edits of the user, and those that undo has left.
+
+    Edits with the same key and short pauses, such as those of a slider or of a drag, are one.
+    """
+
+    past: list[bytes] = field(default_factory=list)
+    future: list[bytes] = field(default_factory=list)
+    edits: int = 0  # that were ever recorded, undone or redone: whether a file is up to date
+    _last: tuple[str, float] = "", 0.0  # key and time of the last edit
+
+    def copy(self) -> "Undo":
+        return Undo([*self.past], [*self.future], self.edits)
+
+    def record(self, key: str, simulation: Simulation, history: History | None = None) -> None:
+        """Store the state before an edit; states beyond the budget are dropped, oldest first."""
+        now = time.perf_counter()
+        last, then = self._last
+        self._last = key, now
+        if key and key == last and now - then < ONE_EDIT:
+            return
+        self.past.append(history.present(simulation) if history else simulation.save())
+        while len(self.past) > 1 and sum(map(len, self.past)) > UNDO_BUDGET:
+            del self.past[0]
+        self.future.clear()
+        self.edits += 1
+
+    def undo(self, simulation: Simulation, history: History) -> str:
+        """Restore the state before the last edit; return a message."""
+        return self._move(simulation, history, self.past, self.future, "undo")
+
+    def redo(self, simulation: Simulation, history: History) -> str:
+        """Restore the state that the last undo has left; return a message."""
+        return self._move(simulation, history, self.future, self.past, "redo")
+
+    def _move(
+        self, simulation: Simulation, history: History, source: list[bytes], to: list[bytes],
+        what: str,
+    ) -> str:  # fmt: skip
+        if not source:
+            return f"There is nothing to {what}."
+        to.append(history.present(simulation))
+        history.touch()
+        simulation.load(source.pop())
+        self._last, self.edits = ("", 0.0), self.edits + 1
+        return f"{what.capitalize()}: {len(source)} more"

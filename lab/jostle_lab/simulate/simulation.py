@@ -1,16 +1,17 @@
-"""A scene in a `jostle.World`."""
+"""A scene in a `jostle.World`, and the inputs of its user."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import asdict, replace
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic.dataclasses import dataclass
+from pydantic.dataclasses import dataclass as validated
 
 import jostle
 from jostle_lab.schema import (
@@ -32,7 +33,7 @@ from jostle_lab.simulate.containers import (
     free_positions,
     moved_inside,
 )
-from jostle_lab.simulate.forces import AttractorForces, WallSegments, kind_count, set_matrix
+from jostle_lab.simulate.forces import add_walls, force_of, kind_count, set_matrix, shifted
 from jostle_lab.simulate.frame import (
     Attractor,
     Frame,
@@ -50,6 +51,8 @@ from jostle_lab.simulate.region import (
     set_container,
     with_restitution,
 )
+
+Work = Callable[["Simulation"], object]
 
 TIME_STEP = 1 / 60
 GRAB_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
@@ -72,7 +75,7 @@ MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 Born = tuple[tuple[Real, Id], ...]  # times of birth, and how many particles in a row have each
 
 
-@dataclass(frozen=True, config=FORBID)
+@validated(frozen=True, config=FORBID)
 class State:
     """What a saved world keeps as its attachment."""
 
@@ -84,6 +87,42 @@ class State:
     own_walls: Id
     born: Born
     window: Any = None
+
+
+@dataclass(frozen=True)
+class Held:
+    """A particle held at a point that moves with a velocity."""
+
+    tag: int
+    point: Point
+    velocity: Point
+    drag: int = 0  # the number of the drag
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A change of the simulation between two steps; a text as its result is a message."""
+
+    work: Work
+    key: str = ""  # what it changes; edits with the same key are undone together
+    changes: bool = True  # whether undo brings back the state before it
+    result: Future[object] = field(default_factory=Future, compare=False)
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What the user does during a job: edits before its steps, and what is held in each step."""
+
+    grab: Held | None = None
+    attract: Attractor | None = None  # towards the cursor
+    edits: tuple[Edit, ...] = ()
+
+    @property
+    def holds(self) -> str:
+        """Return what is held as a key of undo; an empty string if nothing is."""
+        if self.grab is not None:
+            return f"drag {self.grab.drag}"
+        return "attract" if self.attract is not None else ""
 
 
 class Simulation:
@@ -107,11 +146,22 @@ class Simulation:
         if settings.matrix is not None:
             set_matrix(world, settings.matrix)
         self._columns = ParticleTable(world)
-        self._segments = WallSegments(world, len(world.walls))
-        self._attractions = AttractorForces(world, self._columns, len(world.forces))
+        self._begin(world, len(world.walls), len(world.forces))
         self._initial = InitialRegion.of(container_of(world), view, settings.n)
         if settings.world_size != 1.0 or settings.container is not None:
             self._fit_container()
+
+    def _begin(
+        self, world: jostle.World, own_walls: int, own_forces: int,
+        attractors: tuple[Attractor, ...] = (),
+    ) -> None:  # fmt: skip
+        # Walls of the scene and its file have smaller ids than drawn ones. The forces of the scene
+        # come first, then those of the user.
+        self._drawn, self._own_forces = own_walls, own_forces
+        self._held: jostle.Grab | None = None
+        self._cursor: Attractor | None = None
+        self.attractors: tuple[Attractor, ...] = ()
+        self.attract(attractors)  # without a grab, which nobody holds any more
 
     @classmethod
     def of_scene(cls, settings: Settings) -> Simulation:
@@ -141,10 +191,6 @@ class Simulation:
         return len(self.world)
 
     @property
-    def attractors(self) -> tuple[Attractor, ...]:
-        return self._attractions.attractors
-
-    @property
     def effective_settings(self) -> Settings:
         """Return the settings, with the values that apply in place of None."""
         world, of_walls = self.world, self.settings.wall_friction
@@ -165,20 +211,27 @@ class Simulation:
         }
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
+        cursor = () if self._cursor is None else (self._cursor,)
         return frame_of(
             self.world, self._columns, request, scene=self.settings.scene,
-            attractors=self.attractors, own_walls=self._segments.own, begun_with=self._initial.n,
+            attractors=(*self.attractors, *cursor), own_walls=self._own_walls,
+            begun_with=self._initial.n,
         )  # fmt: skip
 
     # Changing
 
-    def step(self) -> None:
-        world, columns = self.world, self._columns
-        world.step(self.time_step)
-        renumbered = world.renumbered
+    def step(self, inputs: Inputs = Inputs()) -> None:
+        self.hold(inputs)
+        self.world.step(self.time_step)
+        renumbered = self.world.renumbered
         if renumbered is not None:
-            columns.update(world)
-            self._attractions.merge(renumbered)
+            self.attractors = tuple(
+                one if one.tag is None else replace(one, tag=int(renumbered[one.tag]))
+                for one in self.attractors
+            )
+            self._columns.update(self.world)
+            self._held = None  # its id may have changed; the next step has a new grab
+            self.attract(self.attractors)
 
     def adjust(self, name: str, value: Any) -> str | None:
         """Change a setting; return a message if it is refused, without any change."""
@@ -197,7 +250,7 @@ class Simulation:
             elif name == "matrix":
                 set_matrix(self.world, value)
             elif name == "wall_friction":
-                self._segments.set_friction(value)
+                self.world.walls.set(self._drawn_walls, friction=value)
             elif name in COLUMN_SETTINGS:
                 setattr(self.world, name, value)
                 self._columns.update(self.world)
@@ -220,7 +273,9 @@ class Simulation:
         set_container(world, container)
         self.view = view
         shift = self._center() - before
-        self._segments.shift(shift)
+        if shift.any():
+            world.forces = shifted(world.forces, shift)
+            world.walls.segments = world.walls.segments + shift
         places = world.positions.astype(np.float64) + shift
         inside = moved_inside(places, self._columns.radii.astype(np.float64), container)
         world.positions = np.where(self._columns.movable[:, None], inside, places)
@@ -254,11 +309,9 @@ class Simulation:
         rng = np.random.default_rng([self.settings.seed, int(columns.tags[-1])])
         rows = rng.choice(rows, count)
         radii = columns.radii[rows]
-        places, found = free_positions(
-            world.positions, columns.radii, radii, container_of(world), self.view,
-            int(rng.integers(2**31)), world.walls.segments,
-        )  # fmt: skip
+        places, found = free_positions(world, radii, self.view, int(rng.integers(2**31)))
         if len(found) == count:
+            rows, radii = rows[found], radii[found]
             self.add(
                 places, world.velocities[rows], radii, columns.densities[rows],
                 sensors=columns.sensors[rows], categories=columns.categories[rows],
@@ -304,8 +357,19 @@ class Simulation:
     def remove(self, tags: ArrayLike) -> None:
         """Remove particles; tags that do not exist are ignored."""
         rows = np.unique(self._columns.find(tags)[0])
-        with self._attractions.detached():
-            self.world.remove(self._columns.tags[rows])
+        self.world.remove(self._columns.tags[rows])
+        self._columns.update(self.world)
+        self._forget_removed()
+
+    def _forget_removed(self) -> None:
+        """Forget the forces of the user that the world has removed together with particles."""
+        self.attractors = tuple(one for one in self.attractors if self._exists(one.tag))
+        if self._held is not None and not self._exists(self._held.id):
+            self._held = None
+        self._own_forces = len(self.world.forces) - len(self._user_forces)
+
+    def _exists(self, tag: int | None) -> bool:
+        return tag is None or bool(len(self._columns.find(tag)[0]))
 
     def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set positions, velocities, densities, movable, categories or masks of particles.
@@ -328,43 +392,69 @@ class Simulation:
         """Add the walls of a file, before any is drawn; raise a ValueError for the first error."""
         for number, line in enumerate(lines):
             try:
-                self._segments.add(line, own=True)
+                self._drawn += add_walls(self.world, line)
             except ValueError as error:
                 raise ValueError(f"walls[{number}] cannot be added: {error}") from error
-        # The motors of moving walls, and thermal walls, are forces of the world.
-        self._attractions.own = len(self.world.forces)
+        self._own_forces = len(self.world.forces)
+
+    @property
+    def _own_walls(self) -> int:
+        """Return the number of walls that the user did not draw."""
+        return int(np.searchsorted(self.world.walls.ids, self._drawn))
+
+    @property
+    def _drawn_walls(self) -> Tags:
+        """Return the ids of the walls that the user drew."""
+        return self.world.walls.ids[self._own_walls :]
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws; without friction they have that of drawn walls."""
         friction = self.settings.wall_friction if line.friction is None else line.friction
-        self._segments.add(replace(line, friction=friction), own=False)
+        add_walls(self.world, replace(line, friction=friction))
 
-    def remove_walls(self, rows: ArrayLike) -> None:
-        """Remove line segments by their rows in the frame."""
-        with self._attractions.detached():
-            self._segments.remove(rows)
+    def remove_wall(self, point: Point, reach: float) -> None:
+        """Remove the wall that is nearest to a point, if it is within `reach` of it."""
+        self.remove_walls(self.world.walls.nearest(point, max_distance=reach).ids)
+
+    def remove_drawn_walls(self) -> None:
+        self.remove_walls(self._drawn_walls)
+
+    def remove_walls(self, ids: ArrayLike) -> None:
+        self.world.walls.remove(ids)
+        self._forget_removed()
+
+    # Forces of the user
+
+    @property
+    def _user_forces(self) -> tuple[Any, ...]:
+        cursor = () if self._cursor is None else (self._cursor,)
+        grab = () if self._held is None else (self._held,)
+        return (*map(force_of, (*self.attractors, *cursor)), *grab)
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
-        """Replace the attractors of the user."""
-        self._attractions.place(attractors)
+        """Replace the attractors of the user; those of particles that do not exist are left out."""
+        self.attractors = tuple(one for one in attractors if self._exists(one.tag))
+        self._apply()
 
-    def grab(self, tag: int, point: Point, velocity: Point) -> None:
-        """Hold a particle at a point that moves with a velocity, until `release`.
+    def hold(self, inputs: Inputs) -> None:
+        """Hold a particle and attract all to the cursor, or end that."""
+        held = None if inputs.grab is None else self._grab_of(inputs.grab)
+        if (held, inputs.attract) != (self._held, self._cursor):
+            self._held, self._cursor = held, inputs.attract
+            self._apply()
 
-        A tag that does not exist is ignored.
-        """
-        rows, _ = self._columns.find(tag)
-        if not len(rows):
-            return self.release()
-        share = self._columns.usual_mass(self.world) / self.world.get(tag).masses
+    def _apply(self) -> None:
+        self.world.forces = (*self.world.forces[: self._own_forces], *self._user_forces)
+
+    def _grab_of(self, held: Held) -> jostle.Grab | None:
+        """Return the force of a held particle; None if it does not exist."""
+        if not self._exists(held.tag):
+            return None
+        share = self._columns.usual_mass(self.world) / self.world.get(held.tag).masses
         rate = GRAB_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
         # A critically damped spring is 2 / rate seconds behind a moving point.
-        x, y = (place + 2 / rate * speed for place, speed in zip(point, velocity, strict=True))
-        self._attractions.hold(jostle.Grab(tag, (x, y), rate=rate))
-
-    def release(self) -> None:
-        """Let go what is held."""
-        self._attractions.hold(None)
+        x, y = (at + 2 / rate * speed for at, speed in zip(held.point, held.velocity, strict=True))
+        return jostle.Grab(held.tag, (x, y), rate=rate)
 
     def save(self, window: Any = None) -> bytes:
         """Return the state; after `load` the simulation continues with the same bits.
@@ -375,10 +465,10 @@ class Simulation:
         facts = {
             "settings": asdict(self.settings),
             "view": self.view,
-            "own_forces": self._attractions.own,
+            "own_forces": self._own_forces,
             "pulls": [asdict(attractor) for attractor in self.attractors],
             "home": asdict(self._initial),
-            "own_walls": self._segments.own,
+            "own_walls": self._own_walls,
             "born": runs(self._columns.born),
             "window": window,
         }
@@ -403,11 +493,13 @@ class Simulation:
             raise ValueError(
                 f"born has {counts.sum():g} times; its world has {len(world)} particles"
             )
-        columns = ParticleTable(world, np.repeat(times, counts.astype(np.int64)))
-        self._attractions = AttractorForces(world, columns, state.own_forces, state.pulls)
-        self._segments = WallSegments(world, state.own_walls)
         self.settings, self.view, self._initial = state.settings, state.view, state.home
-        self.world, self._columns = world, columns
+        born = np.repeat(times, counts.astype(np.int64))
+        self.world, self._columns = world, ParticleTable(world, born)
+        drawn = world.walls.ids[state.own_walls :]
+        first = int(drawn[0]) if len(drawn) else int(world.walls.ids.max(initial=-1)) + 1
+        pulls = tuple(one for one in state.pulls if not one.passing)
+        self._begin(world, first, state.own_forces, pulls)
 
 
 def _view_of(world: jostle.World) -> Rect:

@@ -88,13 +88,10 @@ def _excludes_itself(group: Group) -> bool:
 
 def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> None:
     """Add the particles of a group at free positions, which depend only on the seed."""
-    count, frame = group.count, simulation.frame()
+    count = group.count
     region = group.region or simulation.view
     radii = rng.uniform(*group.radius, count)
-    free, found = free_positions(
-        frame.positions, frame.radii, radii, frame.container, region,
-        int(rng.integers(2**31)), frame.walls,
-    )  # fmt: skip
+    free, found = free_positions(simulation.world, radii, region, int(rng.integers(2**31)))
     places = rng.uniform(region[:2], region[2:], (count, 2))
     places[found] = free  # the others overlap, and the first steps separate them
     spread = rng.uniform(*group.speed, count)[:, None] * directions(rng, count)

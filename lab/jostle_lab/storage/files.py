@@ -7,6 +7,7 @@ message, too, and does not change the session.
 import contextlib
 import copy
 import itertools
+import os
 import re
 import time
 from collections.abc import Callable
@@ -63,6 +64,9 @@ class Files:
         self._exporter = Worker("jostle-export", synchronous=runner.engine.synchronous)
         self._exports: list[Future[str]] = []
         self._listed: tuple[float, list[Path]] | None = None  # time and result of the last search
+        self._loaded: tuple[Path, list[SavedScene]] = OUT, []  # the file that is being loaded
+        # Suffixes of files, their states, which the engine collects, and what writes them.
+        self._collecting: list[tuple[str, Future[object], Callable[..., object]]] = []
 
     def follow(self) -> None:
         """Queue the frame for the recording, and show messages about finished files."""
@@ -74,6 +78,8 @@ class Files:
             if recording.done:
                 self.recording = None
                 messages.say(_summary(recording))
+        self._aim()
+        self._export_collected()
         for export in [export for export in self._exports if export.done()]:
             self._exports.remove(export)
             messages.say(export.result())
@@ -94,15 +100,42 @@ class Files:
 
     def save(self) -> None:
         """Save the state, the settings and the view."""
+        self._save(partial(self._written, SUFFIX))
+        self._listed = None
+
+    def autosave(self) -> Future[object]:
+        """Save as `save` does, in a place that the next session knows; return the message."""
+
+        def write(content: Write) -> str:
+            path = autosave_path()
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                content(path)
+            except OSError as error:
+                return _reason(error, path)
+            return f"Unsaved edits are in {path}; Ctrl+O opens them."
+
+        return self._save(write)
+
+    def _save(self, written: Callable[[Write], str]) -> Future[object]:
+        """Let the engine save the state; `written` returns the message."""
         camera, options = copy.copy(self._camera), copy.copy(self._view_options)
 
-        def save(simulation: Simulation) -> None:
-            self._write(SUFFIX, lambda to: write_file(to, scene_bytes(simulation, camera, options)))
+        def save(simulation: Simulation) -> str:
+            return written(lambda to: write_file(to, scene_bytes(simulation, camera, options)))
 
-        def forget_list() -> None:
-            self._listed = None
+        self._runner.note_saved()
+        saved = self._runner.engine.edit(save, changes=False)
+        self._runner.collect()
+        return saved
 
-        self._runner.engine.edit(save, changes=False, then=forget_list)
+    def mention_autosave(self) -> None:
+        """Say once where the edits are that the last session has saved when it was closed."""
+        path = autosave_path()
+        if path.exists():
+            with contextlib.suppress(OSError):
+                path = path.replace(path.with_name("recovered" + SUFFIX))
+                self._messages.say(f"Unsaved edits of the last session are in {path}: Ctrl+O", 10)
 
     def load(self, path: Path) -> None:
         """Load a saved scene; an error changes nothing."""
@@ -117,11 +150,17 @@ class Files:
                 raise ValueError(f"There is not enough memory for {path.name}.") from error
             return scenes[0].simulation
 
-        def then() -> None:
+        self._loaded = path, scenes
+        self._runner.replace(read, f"Loading {path.name} …")
+        self._aim()
+
+    def _aim(self) -> None:
+        """Show a scene as it was saved, once it has been loaded."""
+        path, scenes = self._loaded
+        if scenes and scenes[0].simulation is self._runner.engine.simulation:
             scenes[0].show(self._camera, self._view_options)
             self._messages.say(f"Loaded {path.name}")
-
-        self._runner.replace(read, f"Loading {path.name} …", then)
+            self._loaded = path, []
 
     def save_settings(self) -> None:
         """Write the settings and the view options as TOML, for `jostle run FILE`."""
@@ -193,12 +232,20 @@ class Files:
         write: Callable[[Path, list[bytes]], object],
     ) -> None:
         """Collect states of the simulation where it is stepped; write them on a worker thread."""
-        states: list[bytes] = []
-        self._runner.engine.edit(
-            lambda simulation: states.extend(collect(simulation)),
-            changes=False,
-            then=lambda: self._export(suffix, lambda path: write(path, states)),
-        )
+        states = self._runner.engine.edit(collect, changes=False)
+        self._collecting.append((suffix, states, write))
+        self._export_collected()
+
+    def _export_collected(self) -> None:
+        """Write the states that were collected."""
+        for waiting in [waiting for waiting in self._collecting if waiting[1].done()]:
+            self._collecting.remove(waiting)
+            suffix, states, write = waiting
+            collected = states.result()
+            if isinstance(collected, list):
+                self._export(suffix, partial(write, states=collected))
+            else:
+                self._messages.say(str(collected))
 
     def _export(self, suffix: str, write: Write) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
@@ -246,6 +293,12 @@ def _reason(error: OSError, path: Path) -> str:
 
 def _write_states(path: Path, states: list[bytes]) -> None:
     write_states(path, map(jostle.World.restore, states))
+
+
+def autosave_path() -> Path:
+    """Return the file of edits that were not saved when a window was closed."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / "jostle" / f"autosave{SUFFIX}"
 
 
 def _newest_first(folder: Path) -> list[Path]:
