@@ -43,6 +43,7 @@ FORBID = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 METHODS = {"quadtree": "quadtree", "brute": "brute force"}
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
 ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
+SLEEPING = {True: "on", False: "off"}
 
 
 # ---- Types ---------------------------------------------------------------------------------------
@@ -146,11 +147,13 @@ class Slider:
     form: str = "%.2f"
 
 
-def setting(
-    default: Any, title: str, about: str, *, unit: str = "", slider: Slider | None = None
-) -> Any:
-    """Return a field of the settings."""
-    more: dict[str, Any] = {"unit": unit, "slider": slider}
+def setting(default: Any, title: str, about: str, **more: Any) -> Any:
+    """Return a field of the settings.
+
+    `more` may have a `unit`, a `slider` or `labels` of the values, the `panel` that shows it, and
+    what it `sets` in a running simulation: an attribute of the "world", a column of its
+    "particles", or something "else".
+    """
     return Field(default, title=title, description=about, json_schema_extra=more)
 
 
@@ -249,70 +252,76 @@ class Settings:
     scene: str = setting("mixed", "scene", "as `jostle scenes` lists them")
     n: Count | None = setting(
         None, "particles", "number of particles of the scene",
-        slider=Slider(0, 1_000_000, log=True),
+        slider=Slider(0, 1_000_000, log=True), sets="else",
     )  # fmt: skip
     seed: Seed = setting(0, "seed", "the same seed gives the same run")
-    method: Method = setting("quadtree", "method", "how pairs are found")
+    method: Method = setting("quadtree", "method", "how pairs are found", sets="world")
     leaf_capacity: Natural | None = setting(
         None, "leaf capacity", "maximum number of particles in a leaf of the tree",
-        slider=Slider(1, 1024, log=True),
+        slider=Slider(1, 1024, log=True), panel="tree", sets="world",
     )  # fmt: skip
     max_depth: Annotated[int, Strict(), Field(ge=0, le=2**31 - 1)] | None = setting(
-        None, "max. depth", "maximum depth of the tree", slider=Slider(1, 4096, log=True)
-    )
+        None, "max. depth", "maximum depth of the tree", slider=Slider(1, 4096, log=True),
+        panel="tree", sets="world",
+    )  # fmt: skip
     world_size: Annotated[float, Strict(), Field(ge=0.01, le=100)] = setting(
         1.0, "world size", "the container's sides, as a multiple of the scene's own",
-        slider=Slider(0.25, 4.0, log=True, form="%.2f ×"),
+        slider=Slider(0.25, 4.0, log=True, form="%.2f ×"), panel="world", sets="else",
     )  # fmt: skip
     container: ContainerKind | None = setting(
-        None, "container", "what encloses the particles; a torus is periodic"
-    )
+        None, "container", "what encloses the particles; a torus is periodic", labels=CONTAINERS,
+        panel="world", sets="else",
+    )  # fmt: skip
     gravity: Gravity | None = setting(
         None, "gravity", "[x, y], or a number, which points downwards", unit="world units/s²",
-        slider=Slider(0.0, 2000.0, form="%.0f"),
+        slider=Slider(0.0, 2000.0, form="%.0f"), panel="world", sets="world",
     )  # fmt: skip
     drag: Coefficient | None = setting(
-        None, "drag", "rate at which velocities decrease", unit="1/s", slider=Slider(0.0, 5.0)
-    )
+        None, "drag", "rate at which velocities decrease", unit="1/s", slider=Slider(0.0, 5.0),
+        panel="world", sets="world",
+    )  # fmt: skip
     restitution: Share | None = setting(
         None, "restitution", "of every particle; contacts have the square root of both multiplied",
-        slider=Slider(0.0, 1.0),
+        slider=Slider(0.0, 1.0), panel="world", sets="particles",
     )  # fmt: skip
     substeps: Annotated[int, Strict(), Field(ge=1, le=1_000)] | None = setting(
-        None,
-        "sub-steps",
-        "of each step; as many as it needs unless given",
-        slider=Slider(1, 32, log=True),
-    )
+        None, "sub-steps", "of each step; as many as it needs unless given",
+        slider=Slider(1, 32, log=True), panel="time", sets="world",
+    )  # fmt: skip
     threads: Annotated[int, Strict(), Field(ge=1, le=1_024)] | None = setting(
-        None, "threads", "all cores unless given", slider=Slider(1, 16)
+        None, "threads", "all cores unless given", slider=Slider(1, 16), panel="tree", sets="world"
     )
-    on_touch: OnTouch | None = setting(None, "collisions", "what touching particles do")
+    on_touch: OnTouch | None = setting(
+        None, "collisions", "what touching particles do", labels=ON_TOUCH, panel="world",
+        sets="world",
+    )  # fmt: skip
     time_scale: Annotated[float, Strict(), Field(ge=0.001, le=100)] = setting(
         1.0, "speed", "simulated seconds per real second",
-        slider=Slider(0.05, 8.0, log=True, form="%.2f ×"),
+        slider=Slider(0.05, 8.0, log=True, form="%.2f ×"), panel="time", sets="else",
     )  # fmt: skip
     particles: Annotated[tuple[Group, ...], Field(max_length=1_000)] = setting(
         (), "particles", "groups in addition to the particles of the scene"
     )
     friction: Coefficient | None = setting(
-        None,
-        "friction",
-        "of every particle; contacts have the square root of both multiplied",
-        slider=Slider(0.0, 2.0),
-    )
-    sleeping: Truth | None = setting(None, "sleeping", "whether resting particles may fall asleep")
+        None, "friction", "of every particle; contacts have the square root of both multiplied",
+        slider=Slider(0.0, 2.0), panel="world", sets="particles",
+    )  # fmt: skip
+    sleeping: Truth | None = setting(
+        None, "sleeping", "whether resting particles may fall asleep", labels=SLEEPING,
+        panel="world", sets="world",
+    )  # fmt: skip
     walls: Annotated[tuple[Polyline, ...], Field(max_length=10_000)] = setting(
         (), "walls", "polylines in addition to the walls of the scene"
     )
     container_restitution: Sides | None = setting(
-        None, "restitution of the container",
+        None,
+        "restitution of the container",
         "of all its sides, or of those at min x, max x, min y and max y; that of the particle "
         "unless given",
-    )  # fmt: skip
+    )
     wall_friction: Coefficient | None = setting(
         None, "wall friction", "of walls drawn in the window; that of the particles unless given",
-        slider=Slider(0.0, 2.0),
+        slider=Slider(0.0, 2.0), panel="walls", sets="else",
     )  # fmt: skip
     matrix: (
         Annotated[
@@ -320,10 +329,10 @@ class Settings:
         ]
         | None
     ) = setting(
-        None,
-        "matrix",
+        None, "matrix",
         "of particle life: a name such as dragons, or rows such as [[1, -0.5], [0.5, 1]]",
-    )
+        sets="else",
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _known_matrix(self) -> "Settings":
@@ -359,9 +368,14 @@ def about(name: str) -> str:
 
 
 def extra(name: str, what: str) -> Any:
-    """Return the `unit` or the `slider` of a setting."""
+    """Return what a setting declares beside title and help, or None; see `setting`."""
     more = field_of(name).json_schema_extra
     return more.get(what) if isinstance(more, dict) else None
+
+
+def settings_with(what: str, value: str) -> tuple[str, ...]:
+    """Return the settings that declare a value, such as all with `panel` "tree"."""
+    return tuple(name for name in fields_of(Settings) if extra(name, what) == value)
 
 
 def kind_of(name: str) -> str:

@@ -14,31 +14,13 @@ from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import SWITCHES
 from jostle_lab.panels import widgets as ui
 from jostle_lab.race import RIVALS
-from jostle_lab.schema import (
-    CONTAINERS,
-    METHODS,
-    ON_TOUCH,
-    about,
-    extra,
-    kind_of,
-    title_of,
-    too_slow,
-)
+from jostle_lab.schema import METHODS, about, extra, kind_of, settings_with, title_of, too_slow
 from jostle_lab.session import Session
-from jostle_lab.simulate import containers
 from jostle_lab.simulate.simulation import ADJUSTABLE
 
-SLEEPING = {"on": "on", "off": "off"}
-CORES = os.cpu_count() or 1
 UNLIMITED = 4_096  # subdivisions that no tree reaches
-DEFAULTS = {
-    "threads": CORES,
-    "restitution": 1.0,
-    "substeps": 1,
-}  # if neither scene nor world has one
-TREE = "leaf_capacity", "max_depth", "threads"
-MATERIAL = "drag", "restitution", "friction"
-TIME = "time_scale", "substeps"
+# If neither the scene nor the world has one.
+DEFAULTS = {"threads": os.cpu_count() or 1, "restitution": 1.0, "substeps": 1}
 _signed = partial(ui.signed, form=",.0f")
 
 
@@ -82,7 +64,7 @@ def build_tree(session: Session, gui: Gui) -> None:
     moved, value = ui.slider(gui, "particles", span_of("n"), count, _writer("n"))
     if moved is ui.Moved.DONE and value != count:
         session.runner.adjust("n", int(value))
-    _lines(session, gui, *TREE)
+    _build(session, gui, "tree")
 
 
 def build_display(session: Session, gui: Gui) -> None:
@@ -97,37 +79,46 @@ def build_display(session: Session, gui: Gui) -> None:
 
 
 def build_world(session: Session, gui: Gui) -> None:
-    now, interaction = session.engine.effective_settings, session.interaction
-    _choice(session, gui, "container", CONTAINERS, containers.kind_of(session.frame.container))
-    _choice(session, gui, "on_touch", ON_TOUCH, now.on_touch or "bounce")
-    _choice(session, gui, "sleeping", SLEEPING, "off" if now.sleeping is False else "on")
-    _lines(session, gui, "world_size")
-    _gravity(session, gui)
-    _lines(session, gui, *MATERIAL)
+    _build(session, gui, "world")
+    interaction = session.interaction
     if interaction.tool is Tool.WALL or len(interaction.commands.drawn_walls):
-        _lines(session, gui, "wall_friction")
+        _build(session, gui, "walls")
 
 
 def build_time(session: Session, gui: Gui) -> None:
-    _lines(session, gui, *TIME)
+    _build(session, gui, "time")
 
 
-def _choice(session: Session, gui: Gui, name: str, options: dict[str, str], now: str) -> None:
+def _build(session: Session, gui: Gui, panel: str) -> None:
+    """Build a line for each setting of a panel: first the lists, then the sliders."""
+    names = settings_with("panel", panel)
+    for name in sorted(names, key=lambda name: extra(name, "labels") is None):
+        if extra(name, "labels"):
+            _choice(session, gui, name)
+        elif name == "gravity":
+            _gravity(session, gui)
+        else:
+            _line(session, gui, name)
+
+
+def _choice(session: Session, gui: Gui, name: str) -> None:
     """Build a list of the values of a setting."""
-    chosen = ui.combo(gui, title_of(name), options, now)
-    if chosen is not None:
-        session.runner.adjust(name, chosen == "on" if options is SLEEPING else chosen)
+    labels, now = extra(name, "labels"), getattr(session.engine.effective_settings, name)
+    options = {words: value for value, words in labels.items()}
+    chosen = ui.select(gui, title_of(name), options, now)
+    ui.hint(about(name))
+    if chosen != now:
+        session.runner.adjust(name, chosen)
 
 
-def _lines(session: Session, gui: Gui, *names: str) -> None:
-    """Build a slider for each setting, with its help as a tooltip."""
-    for name in names:
-        held = getattr(session.engine.effective_settings, name)
-        value = float(DEFAULTS.get(name, 0.0) if held is None else held)
-        span = span_of(name)
-        moved, value = ui.slider(gui, title_of(name), span, value, _writer(name))
-        ui.hint(about(name))
-        _apply(session, name, moved, int(value) if span.whole else value)
+def _line(session: Session, gui: Gui, name: str) -> None:
+    """Build the slider of a setting, with its help as a tooltip."""
+    held = getattr(session.engine.effective_settings, name)
+    value = float(DEFAULTS.get(name, 0.0) if held is None else held)
+    span = span_of(name)
+    moved, value = ui.slider(gui, title_of(name), span, value, _writer(name))
+    ui.hint(about(name))
+    _apply(session, name, moved, int(value) if span.whole else value)
 
 
 def _apply(session: Session, name: str, moved: ui.Moved, value: Any) -> None:

@@ -23,6 +23,7 @@ from jostle_lab.schema import (
     Region,
     Settings,
     read,
+    settings_with,
     too_slow,
     wrong,
 )
@@ -31,6 +32,7 @@ from jostle_lab.simulate.containers import (
     bounds,
     center_of,
     free_positions,
+    kind_of,
     moved_inside,
 )
 from jostle_lab.simulate.forces import add_walls, force_of, kind_count, set_matrix, shifted
@@ -58,17 +60,10 @@ TIME_STEP = 1 / 60
 GRAB_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
 LEAST_RESPONSE = 0.3  # times that rate, for the heaviest particles
 
-# Settings that are attributes of a world, by the same name.
-WORLD_SETTINGS = (
-    *("method", "leaf_capacity", "max_depth", "gravity", "drag", "substeps", "threads"),
-    *("on_touch", "sleeping"),
-)
-# Settings that are columns: of every particle.
-COLUMN_SETTINGS = "friction", "restitution"
+WORLD_SETTINGS = settings_with("sets", "world")  # attributes of a world, by the same name
+COLUMN_SETTINGS = settings_with("sets", "particles")  # columns: of every particle
 # The settings that `Simulation.adjust` can change while it runs.
-ADJUSTABLE = frozenset((*WORLD_SETTINGS, *COLUMN_SETTINGS)) | {
-    *("wall_friction", "time_scale", "n", "world_size", "container", "matrix")
-}
+ADJUSTABLE = frozenset((*WORLD_SETTINGS, *COLUMN_SETTINGS, *settings_with("sets", "else")))
 WIDTHS = {"positions": (2,), "velocities": (2,)}  # of one value of a column
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
@@ -196,6 +191,7 @@ class Simulation:
         world, of_walls = self.world, self.settings.wall_friction
         rules: dict[str, Any] = {name: getattr(world, name) for name in WORLD_SETTINGS}
         rules |= self._surface
+        rules["container"] = kind_of(container_of(world))
         rules["gravity"] = tuple(world.gravity.tolist())
         rules["substeps"] = world.substeps or world.last_step.substeps or None
         rules["wall_friction"] = rules["friction"] if of_walls is None else of_walls
