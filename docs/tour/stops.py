@@ -159,8 +159,8 @@ def trails(user: ScriptedUser) -> None:
 def rewind(user: ScriptedUser) -> None:
     """Back in time with the slider, to the middle of a fall."""
     user.wait(4)
-    fold(user, "Scenes", "Method", "Particles and tree", "World")
-    user.session.runner.rewind(4.4)
+    fold(user, "Scenes", "World", "Rewind")
+    user.session.runner.rewind(4.0)
     user.hide_pointer()
     user.look()
 
@@ -168,7 +168,7 @@ def rewind(user: ScriptedUser) -> None:
 def settings(user: ScriptedUser) -> None:
     """Another container and another gravity while it runs."""
     user.wait(3)
-    fold(user, "Scenes", "Method", "Particles and tree", "Display")
+    fold(user, "Scenes")
     user.session.runner.adjust("container", "circle")
     user.session.runner.adjust("gravity", (300.0, 300.0))
     user.hide_pointer()
@@ -176,7 +176,7 @@ def settings(user: ScriptedUser) -> None:
 
 
 def fold(user: ScriptedUser, *titles: str) -> None:
-    """Fold sections of the column."""
+    """Fold sections of the column, or unfold them."""
     user.look()
     for title in titles:
         user.click_on(f"section {title}")

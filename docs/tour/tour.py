@@ -37,7 +37,9 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     window = Window(start(stop.settings), size, synchronous=True)
     session = window.session
     session.files.folder = out
+    session.view_options.panels = True
     session.shows_times = False  # those of a window without a graphics card
+    window.frame(0.0)  # which moves the camera aside
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
     video = Film(path, size, RATE) if film else contextlib.nullcontext()
     with contextlib.closing(window), video as recorder:

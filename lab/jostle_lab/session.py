@@ -21,6 +21,8 @@ from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.storage.files import Files
 
+RATE_SECONDS = 1.0  # over which the rate is averaged
+
 
 @dataclass
 class FileChoice:
@@ -47,6 +49,8 @@ class Session:
         self.runner = Runner(self.engine, self.camera, self.interaction, self.messages)
         self.files = Files(self.runner, self.camera, self.view_options, self.messages)
         self.traces = Traces(self.runner.statistics)  # the plots of the statistics
+        self.rate = 0.0  # simulated seconds per second, a mean
+        self.full_screen = False  # as the window is to be
         self.shows_times = True  # whether the statistics have the times of frames
         self.question = PairQuestion()  # the pair whose contact is explained
         self.choice: FileChoice | None = None  # the file to be opened
@@ -76,8 +80,17 @@ class Session:
         self.runner.prepare(request)
         steps = self.engine.advance(elapsed, inputs, paused=self.runner.paused)
         self.runner.follow(elapsed, steps)
+        self._measure_rate(steps, elapsed)
         self.files.follow()
         return steps
+
+    def _measure_rate(self, steps: int, elapsed: float) -> None:
+        if self.runner.paused:
+            self.rate = 0.0
+        elif elapsed > 0:
+            rate = steps * self.engine.time_step / elapsed
+            share = min(elapsed / RATE_SECONDS, 1.0)
+            self.rate += (rate - self.rate) * share if self.rate else rate
 
     # Display
 
@@ -93,6 +106,9 @@ class Session:
     def toggle(self, name: str) -> None:
         """Toggle one of the view options."""
         setattr(self.view_options, name, not getattr(self.view_options, name))
+
+    def toggle_full_screen(self) -> None:
+        self.full_screen = not self.full_screen
 
     # Explanation of a contact
 

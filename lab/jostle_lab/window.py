@@ -42,6 +42,7 @@ class Window:
         self.screen = Screen(size)
         self.session = Session(simulation, self.painter.size, synchronous=synchronous)
         self.builders: list[panels.Builder] = [panels.build]  # of panels and menus, in order
+        self.session.view_options.panels = False  # so that the scene fills the window at first
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.screen.opengl)
         self.session.engine.last_step = self._last_step = steps
@@ -89,6 +90,9 @@ class Window:
         caption = f"jostle · {self.session.engine.scene}"
         if pygame.display.get_caption()[0] != caption:
             pygame.display.set_caption(caption)
+        if self.screen.full != self.session.full_screen:
+            self.screen.toggle_full()
+            self._resize()
         if self._seen:
             self._draw(elapsed)
 

@@ -37,6 +37,8 @@ def stop(name: str) -> Stop:
 @pytest.fixture
 def user():
     window = Window(start(Settings("billiards")), (1280, 720), synchronous=True)
+    window.session.view_options.panels = True
+    window.frame(0.0)  # which moves the camera aside
     yield ScriptedUser(window)
     window.close()
 
@@ -146,7 +148,7 @@ ENDS: dict[str, Callable[[Session], bool]] = {
     "walls": lambda s: (
         len(s.interaction.commands.drawn_walls) == 2 and len(s.interaction.attractors.placed) == 1
     ),
-    "rewind": lambda s: s.runner.paused and abs(s.runner.history.back - 4.4) < 0.05,
+    "rewind": lambda s: s.runner.paused and abs(s.runner.history.back - 4.0) < 0.05,
     "settings": lambda s: isinstance(s.frame.container, jostle.Circle),
 }
 
@@ -170,7 +172,10 @@ def test_pictures_have_no_times_of_frames(tmp_path, monkeypatch) -> None:
 
     shown = []
     section = widgets.section
-    noted = lambda gui, title, build: (shown.append(title), section(gui, title, build))  # noqa: E731
+    noted = lambda gui, title, *rest, **more: (  # noqa: E731
+        shown.append(title),
+        section(gui, title, *rest, **more),
+    )
     monkeypatch.setattr(widgets, "section", noted)
     wait_less(monkeypatch)
     visit(stop("trails"), tmp_path, (1280, 720), film=False)

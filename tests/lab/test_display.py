@@ -118,6 +118,17 @@ def test_a_window_of_any_size_shows_the_scene_and_builds_panels(open_gas, monkey
     assert built and built[0] == (window.session, window.gui)
 
 
+def test_f11_fills_the_screen_and_ends_that(open_gas, monkeypatch) -> None:
+    window, calls = open_gas(), []
+    monkeypatch.setattr(pygame.display, "toggle_fullscreen", lambda: calls.append(1))
+    monkeypatch.setattr(pygame.display, "get_window_size", lambda: (800, 450))
+    for full in (True, False):
+        pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_F11, mod=0))
+        window.frame(FRAME)
+        assert window.screen.full is full and len(calls) == 2 - full
+    assert window.session.camera.size == window.painter.size == (800, 450)
+
+
 def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_gas) -> None:
     window = open_gas()
     window.frame(FRAME)

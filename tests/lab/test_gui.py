@@ -166,3 +166,15 @@ def test_twice_the_density_is_twice_the_size(panel: Panel) -> None:
     assert tuple(picture[300, 400]) == pytest.approx(palette.PANEL[:3], abs=6)
     panel.click("press")
     assert panel.clicks == 1
+
+
+def test_text_goes_over_the_clipboard(panel: Panel) -> None:
+    panel.click("text")
+    panel.post(pygame.TEXTINPUT, text="gas")
+    ctrl = pygame.KMOD_CTRL
+    for key in (pygame.K_a, pygame.K_c, pygame.K_v, pygame.K_v):
+        panel.post(pygame.KEYDOWN, key=key, mod=ctrl, unicode="")
+        panel.post(pygame.KEYUP, key=key, mod=ctrl, unicode="")
+        panel.frame()
+    assert pygame.scrap.get_text() == "gas"
+    assert panel.text == "gasgas"

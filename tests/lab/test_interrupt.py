@@ -101,6 +101,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     from jostle_lab.window import Window
 
     window = Window(start(Settings("gas", 5)), (640, 360), synchronous=True)
+    window.session.view_options.panels = True
     frames, closed = [], []
     close = window.close
     monkeypatch.setattr(window, "close", lambda: closed.append(close()))

@@ -158,6 +158,7 @@ class Interaction:
         self.brush = Brush(engine, self.commands)
         self.gravity = Gravity(engine)
         self.menu: Menu | None = None
+        self.thrown_at: float | None = None  # when the first particle was released
         self._drag: Drag | None = None
         self._moved = False  # whether the mouse has moved over the scene
 
@@ -210,6 +211,8 @@ class Interaction:
         if drag is not None:
             self._apply(drag)
         thrown = self.drag_tool.release()
+        if thrown is not None and self.thrown_at is None:
+            self.thrown_at = self._messages.now
         if thrown is not None and throw:
             tags, velocities = [thrown.tag], [thrown.velocity]
             self._engine.edit(

@@ -13,11 +13,13 @@ from jostle_lab import interrupt
 from jostle_lab.launcher import is_started_by_mpi
 from jostle_lab.schema import MAX_PARTICLES, SCALARS, Settings, about, kind_of, unknown
 
+from . import runs
 from .refusals import check_file, check_folder, check_scene, console, refuse
 from .runs import open_source, record, show
 from .values import given_settings
 
 DEFAULT_SCENE = Settings().scene
+FIRST_SCENE = "springs"  # of a window: soft bodies fall, and can be thrown
 PICTURES = ".png", ".pdf", ".svg"
 
 # Arguments of several commands.
@@ -80,12 +82,12 @@ def _setting(name: str) -> inspect.Parameter:
 
 def run(
     source: Annotated[
-        str,
+        str | None,
         typer.Argument(
             help="A scene, as `jostle scenes` lists them, or a file: .jostle or .toml.",
             metavar="[SCENE|FILE]",
         ),
-    ] = DEFAULT_SCENE,
+    ] = None,
     steps: Steps = None,
     headless: Annotated[
         bool, typer.Option("--headless", help="Record a video instead of opening a window.")
@@ -97,7 +99,8 @@ def run(
     given = given_settings(options)
     if is_started_by_mpi():
         refuse("a scene runs in one process; examples/film_over_ranks.py runs one on many ranks")
-    opened = open_source(source, given)
+    first = FIRST_SCENE if runs.has_display() and not headless else DEFAULT_SCENE
+    opened = open_source(source or first, given)
     why_no_window = None
     if not headless:
         why_no_window = show(opened, steps)

@@ -30,6 +30,7 @@ class Screen:
         # Before the window, because some systems show the first icon only, and after it, because
         # pygame gives an OpenGL window an icon of its own.
         pygame.display.set_icon(icon())
+        self.full = False  # whether it fills the screen
         self.opengl = _open(size)
         pygame.display.set_icon(icon())
         # The painter of videos is two to three times as fast as OpenGL in software.
@@ -46,6 +47,11 @@ class Screen:
     def scale(self) -> float:
         """Return the pixels per point: more than 1 on a high-density screen."""
         return self.painter.size[0] / max(self.size[0], 1)
+
+    def toggle_full(self) -> None:
+        """Fill the screen, or end that."""
+        self.full = not self.full
+        pygame.display.toggle_fullscreen()
 
     def fit(self) -> bool:
         """Adopt the present size of the window; return whether it has changed."""

@@ -47,6 +47,9 @@ class Gui:
         implot.set_current_context(self._plots)
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
+        clipboard = imgui.get_platform_io()
+        clipboard.platform_get_clipboard_text_fn = lambda _: pygame.scrap.get_text()
+        clipboard.platform_set_clipboard_text_fn = lambda _, text: pygame.scrap.put_text(text)
         gui_style.apply()
         self._painter = painter
         imgui.backends.opengl3_init("#version 330")

@@ -90,6 +90,8 @@ def _colours(style: imgui.Style) -> None:
         "scrollbar_grab_hovered": vec(PRESSED),
         "scrollbar_grab_active": vec(soft),
         "check_mark": vec(ACCENT),
+        "slider_grab": vec(FILLED),
+        "slider_grab_active": vec(ACCENT),
         "text_selected_bg": vec(soft, 0.6),
     }
     for name, ordinary in (("frame_bg", FIELD), ("button", RAISED), ("header", RAISED)):

@@ -38,6 +38,8 @@ def build(session: Session, gui: Gui) -> None:
     if options.panels and not options.help:
         column.build(session, gui)
         statistics_panel.build(session, gui)
+    elif not options.help:
+        column.build_bar(session, gui)
     cards.build(session, gui)
     if options.help:
         cards.build_help(gui)

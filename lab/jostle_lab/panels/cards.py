@@ -15,6 +15,7 @@ from jostle_lab.session import Session
 
 EDGE = 12.0  # points to the edges of the scene
 FOOT = 36.0  # points, below messages and explanations: for legends
+FADE = 1.5  # seconds in which the first hint vanishes
 FRAME = 34.0  # points, the margins of a card
 FLAGS = (
     imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_inputs
@@ -43,6 +44,8 @@ def build(session: Session, gui: Gui) -> None:
     if session.message:
         with card(gui, "message", (middle, bottom - FOOT), (0.5, 1.0), widest):
             imgui.text(session.message)
+    if not (session.message or session.view_options.help):
+        _first_hint(session, gui, (middle, bottom - FOOT), widest)
     if not session.view_options.help:
         with card(
             gui, "hint", (right - EDGE / 2, bottom + EDGE / 2), (1.0, 1.0), widest, bare=True
@@ -50,6 +53,19 @@ def build(session: Session, gui: Gui) -> None:
             if session.files.recording is not None:
                 _recording(session.files.recording.seconds)
             ui.soft("H help")
+
+
+def _first_hint(session: Session, gui: Gui, place: tuple[float, float], widest: float) -> None:
+    """Say that particles can be thrown, until one was."""
+    thrown = session.interaction.thrown_at
+    left = 1.0 if thrown is None else 1.0 - (session.messages.now - thrown) / FADE
+    if left > 0 and session.frame.movable.any():
+        with (
+            imgui_ctx.push_style_var(imgui.StyleVar_.alpha, left),
+            card(gui, "first hint", place, (0.5, 1.0), widest),
+        ):
+            imgui.text("Drag a disc and throw it")
+            ui.soft("right click: menu   ·   wheel: zoom   ·   Tab: settings   ·   H: all keys")
 
 
 @contextmanager

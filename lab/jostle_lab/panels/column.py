@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 
+import numpy as np
 from imgui_bundle import imgui, imgui_ctx
 
 from jostle_lab.draw.palette import ACCENT, TEXT_SOFT
@@ -24,20 +25,58 @@ ICONS = {
     "restart": "\uf2f9",
 }
 PLAY = "\uf04b"
+RESTART = "Restart the scene with these settings; drawn walls and attractors go"
+BAR_EDGE, BAR_BUTTON = 10.0, 30.0  # points
+SLOW = 0.9  # of the chosen speed; below, the real one is shown
 MEGABYTE = 2**20
 SHORTEST = 0.05  # seconds of history below which the slider is disabled
 
 
+def build_bar(session: Session, gui: Gui) -> None:
+    """Build a bar in place of the panels: it opens them, and has the buttons of the time."""
+    flags = ui.FIXED | imgui.WindowFlags_.always_auto_resize
+    imgui.set_next_window_pos((BAR_EDGE, BAR_EDGE))
+    imgui.set_next_window_bg_alpha(0.8)
+    with imgui_ctx.begin("bar", None, flags):
+        if ui.choice(gui, "open panels", "\uf0c9", BAR_BUTTON, chosen=False):
+            session.toggle("panels")
+        ui.hint(f"Settings and statistics  ({key_of('panels')})")
+        for name in ("pause", "restart", "next scene"):
+            imgui.same_line()
+            _playback_button(session, gui, name, BAR_BUTTON)
+        imgui.same_line()
+        imgui.align_text_to_frame_padding()
+        imgui.text_unformatted(session.engine.scene)
+        _slowness(session)
+        gui.mark_window("bar")
+
+
+def _slowness(session: Session) -> None:
+    """Show the speed after the last text if it is clearly less than the chosen one."""
+    rate = session.rate
+    if 0 < rate < SLOW * session.settings.time_scale:
+        imgui.same_line()
+        with ui.colours(text=vec(ACCENT)):
+            imgui.text_unformatted(f"{rate:.2g} × real time")
+        ui.hint("The computer is too slow for the chosen speed.")
+
+
 def _playback(session: Session, gui: Gui) -> None:
     """Build the buttons of the time: pause, step, restart, previous and next scene."""
+    for name, across in ui.in_rows(ICONS, len(ICONS)):
+        _playback_button(session, gui, name, across)
+
+
+def _playback_button(session: Session, gui: Gui, name: str, across: float) -> None:
     paused, can_go_back = session.runner.paused, session.runner.history.can_go_back
-    for (name, icon), across in ui.in_rows(ICONS.items(), len(ICONS)):
-        held = name == "pause" and paused
-        reason = "There is no earlier state." if name == "step back" and not can_go_back else ""
-        if ui.choice(gui, name, PLAY if held else icon, across, chosen=held, reason=reason):
-            HANDLERS[name](session)
-        if not reason:
-            ui.hint(f"{'Resume' if held else name.capitalize()}  ({key_of(name)})")
+    held = name == "pause" and paused
+    reason = "There is no earlier state." if name == "step back" and not can_go_back else ""
+    icon = PLAY if held else ICONS[name]
+    if ui.choice(gui, name, icon, across, chosen=held, reason=reason):
+        HANDLERS[name](session)
+    if not reason:
+        about = RESTART if name == "restart" else "Resume" if held else name.capitalize()
+        ui.hint(f"{about}  ({key_of(name)})")
 
 
 def _rewind(session: Session, gui: Gui) -> None:
@@ -45,7 +84,8 @@ def _rewind(session: Session, gui: Gui) -> None:
     history = session.runner.history
     span = ui.Range(-max(history.span, SHORTEST), 0.0)
     imgui.begin_disabled(history.span <= SHORTEST)
-    moved, value = ui.slider(gui, "moment", span, -history.back, _ago)
+    form = "now" if history.back < SHORTEST else "%.1f s"
+    moved, value = ui.slider(gui, "moment", span, -history.back, form)
     imgui.end_disabled()
     if moved is not ui.Moved.NOT:
         session.runner.rewind(-value)
@@ -57,12 +97,9 @@ def _rewind(session: Session, gui: Gui) -> None:
     )
 
 
-def _ago(value: float) -> str:
-    return f"\u2212{-value:.1f} s" if value < -SHORTEST else "now"
-
-
 TITLE = 21.0
 LIFE = "Particle life"
+OPEN = {"Scenes", LIFE, "World"}  # the others are folded at first
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Scenes", files_panel.build_scenes),
     (LIFE, life_panel.build),
@@ -89,7 +126,7 @@ def build(session: Session, gui: Gui) -> None:
         for title, contents in SECTIONS:
             # In other scenes this section could change nothing.
             if title != LIFE or session.frame.matrix is not None:
-                ui.section(gui, title, partial(contents, session, gui))
+                ui.section(gui, title, partial(contents, session, gui), is_open=title in OPEN)
         if not widths.statistics:
             statistics_panel.build_sections(session, gui)
 
@@ -101,6 +138,8 @@ def _title(session: Session) -> None:
         with ui.colours(text=vec(ACCENT)):
             ui.at_right("paused")
     with ui.colours(text=vec(TEXT_SOFT)):
-        words = f"{len(session.frame):,} particles · {METHODS[session.settings.method]}"
+        count = np.count_nonzero(session.frame.movable)  # without the discs of walls
+        words = f"{count:,} particles · {METHODS[session.settings.method]}"
         imgui.text_unformatted(words)
+    _slowness(session)
     imgui.dummy((0.0, 2.0))

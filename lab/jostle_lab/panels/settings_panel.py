@@ -1,9 +1,6 @@
 """The settings: search for pairs, sliders of particles, tree, world and time, and the display."""
 
-import math
 import os
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +18,6 @@ from jostle_lab.simulate.simulation import ADJUSTABLE
 UNLIMITED = 4_096  # subdivisions that no tree reaches
 # If neither the scene nor the world has one.
 DEFAULTS = {"threads": os.cpu_count() or 1, "restitution": 1.0, "substeps": 1}
-_signed = partial(ui.signed, form=",.0f")
 
 
 def span_of(name: str) -> ui.Range:
@@ -30,15 +26,12 @@ def span_of(name: str) -> ui.Range:
     return ui.Range(slider.low, slider.high, slider.log, whole=kind_of(name) == "whole number")
 
 
-def _writer(name: str) -> Callable[[float], str]:
-    """Return the function that formats the values of a setting."""
-    if kind_of(name) == "whole number":
-        whole = "{:,.0f}".format
-        return lambda value: (
-            "no limit" if name == "max_depth" and value >= UNLIMITED else whole(value)
-        )
-    form = extra(name, "slider").form
-    return lambda value: ui.signed(form % value, "")
+def _form(name: str, value: float) -> str:
+    """Return the format of the values of a setting, as in C."""
+    if name == "max_depth" and value >= UNLIMITED:
+        return "no limit"
+    form: str = extra(name, "slider").form
+    return "%d" if kind_of(name) == "whole number" else form
 
 
 def build_method(session: Session, gui: Gui) -> None:
@@ -61,7 +54,7 @@ def build_method(session: Session, gui: Gui) -> None:
 def build_tree(session: Session, gui: Gui) -> None:
     """Build the number of particles and the settings of the tree."""
     count = int(np.count_nonzero(session.frame.movable))  # without the discs of walls
-    moved, value = ui.slider(gui, "particles", span_of("n"), count, _writer("n"))
+    moved, value = ui.slider(gui, "particles", span_of("n"), count, "%d")
     if moved is ui.Moved.DONE and value != count:
         session.runner.adjust("n", int(value))
     _build(session, gui, "tree")
@@ -116,7 +109,7 @@ def _line(session: Session, gui: Gui, name: str) -> None:
     held = getattr(session.engine.effective_settings, name)
     value = float(DEFAULTS.get(name, 0.0) if held is None else held)
     span = span_of(name)
-    moved, value = ui.slider(gui, title_of(name), span, value, _writer(name))
+    moved, value = ui.slider(gui, title_of(name), span, value, _form(name, value))
     ui.hint(about(name))
     _apply(session, name, moved, int(value) if span.whole else value)
 
@@ -129,15 +122,13 @@ def _apply(session: Session, name: str, moved: ui.Moved, value: Any) -> None:
 
 
 def _gravity(session: Session, gui: Gui) -> None:
-    """Build gravity: its strength in the present direction, and its components."""
-    x, y = session.engine.effective_settings.gravity or (0.0, 0.0)
-    strength = math.hypot(x, y)
-    moved, new = ui.slider(gui, "gravity", span_of("gravity"), strength, _signed)
-    direction = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
-    _apply(session, "gravity", moved, (direction[0] * new, direction[1] * new))
-    strongest = span_of("gravity").high
+    """Build a slider for each component of gravity, in one line."""
+    strongest = extra("gravity", "slider").high
     span = ui.Range(-strongest, strongest)
-    moved, new = ui.slider(gui, "\u2013 x", span, x, _signed)
-    _apply(session, "gravity", moved, (new, y))
-    moved, new = ui.slider(gui, "\u2013 y", span, y, _signed)
-    _apply(session, "gravity", moved, (x, new))
+    gravity = session.engine.effective_settings.gravity or (0.0, 0.0)
+    ui.label("gravity x, y")
+    for k, across in ui.in_rows(range(2), 2):
+        name = f"gravity {'xy'[k]}"
+        moved, new = ui.bare_slider(gui, name, span, gravity[k], "%.0f", across)
+        ui.hint(about("gravity"))
+        _apply(session, "gravity", moved, (new, gravity[1]) if k == 0 else (gravity[0], new))

@@ -30,12 +30,12 @@ LONG = 1e5  # larger numbers have a power of ten
 THICK, THIN = 3.0, 2.0
 TEXT_HEIGHT = 18.0  # points, of the text in a plot's corners
 MARGIN = 0.08  # of the range of a plot, free above and below
-LEAST_PLOT, MOST_PLOT = 56.0, 150.0
+LEAST_PLOT, MOST_PLOT = 44.0, 150.0
 RESETS = (
     "The reference is reset when particles are added, removed or merged, and when gravity or the "
     "container changes."
 )
-TEXT_LINES = 559.0  # points, of everything except the three plots
+TEXT_LINES = 572.0  # points, of everything except the three plots
 
 # Stages in the order of work, from cool to warm; then drawing.
 STAGES: dict[str, Colour] = {

@@ -1,6 +1,5 @@
-"""The widgets of all panels in one style: label, control, number; sliders."""
+"""The widgets of all panels in one style."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,13 +10,11 @@ from imgui_bundle import imgui, imgui_ctx
 
 from jostle_lab.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle_lab.gui.host import Gui
-from jostle_lab.gui.style import CHOSEN, FILLED, RAISED, rgba, vec
+from jostle_lab.gui.style import CHOSEN, RAISED, vec
 
 LABEL = 92.0  # points: width of the label column
-NUMBER = 62.0  # width of the number column
 GAP = 6.0
 BUTTON = 25.0  # height
-ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
 T = TypeVar("T")
@@ -26,39 +23,19 @@ FIXED = (
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
     | imgui.WindowFlags_.no_bring_to_front_on_focus
 )  # fmt: skip
-STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
 
 
-def section(gui: Gui, title: str, build: Callable[[], None]) -> None:
-    """Build a foldable section: its heading, and its contents in a child window.
-
-    ImGui's output for a child window is a draw list of its own, which is redrawn separately.
-    """
-    imgui.dummy((0.0, ABOVE))
-    storage, kept = imgui.get_state_storage(), imgui.get_id(f"{title} is open")
-    is_open = storage.get_bool(kept, True)
-    if imgui.invisible_button(f"##{title}", (max(width(), 1.0), HEAD)):
-        storage.set_bool(kept, not is_open)
+def section(gui: Gui, title: str, build: Callable[[], None], *, is_open: bool = True) -> None:
+    """Build a heading that a click folds, and below it the contents unless they are folded."""
+    flags = imgui.TreeNodeFlags_.default_open if is_open else 0
+    with (
+        colours(header=CLEAR),
+        imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, (1.0, 1.0)),
+    ):
+        unfolded = imgui.collapsing_header(title, flags)
     gui.mark(f"section {title}")
-    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    draw, middle = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
-    draw.add_text((low.x, middle - imgui.get_font_size() / 2), rgba(TEXT), title)
-    after = low.x + imgui.calc_text_size(title).x + 10
-    draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), rgba(RAISED))
-    _chevron(high.x - 5, down=is_open)
-    if is_open:
-        flags = imgui.ChildFlags_.auto_resize_y
-        with imgui_ctx.begin_child(title, child_flags=flags, window_flags=STILL):
-            build()
-
-
-def _chevron(x: float, *, down: bool) -> None:
-    """Draw a chevron at the middle height of the last widget."""
-    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    tint, y = rgba(ACCENT if imgui.is_item_hovered() else TEXT_SOFT), round((low.y + high.y) / 2)
-    draw, rise = imgui.get_window_draw_list(), 2.0 if down else -2.0
-    for side in (-4.0, 4.0):
-        draw.add_line((x + side, y - rise), (x, y + rise), tint, 1.5)
+    if unfolded:
+        build()
 
 
 @contextmanager
@@ -191,10 +168,8 @@ def combo(
     picked = None
     imgui.begin_disabled(bool(reason))
     imgui.set_next_item_width(width())
-    flags = imgui.ComboFlags_.no_arrow_button
-    is_open = imgui.begin_combo(f"##{name}", options.get(chosen, chosen), flags)
+    is_open = imgui.begin_combo(f"##{name}", options.get(chosen, chosen))
     gui.mark(name)
-    _chevron(imgui.get_item_rect_max().x - 13, down=True)
     if is_open:
         for value, words in options.items():
             if imgui.selectable(words, value == chosen)[0]:
@@ -214,132 +189,53 @@ def select(gui: Gui, name: str, options: Mapping[str, T], now: T, *, reason: str
     return now if picked is None else options[picked]
 
 
-KNOB = 6.0  # radius
-PADDING = 2.0  # of ImGui, between the edge of a slider and its knob
-HIDDEN = dict.fromkeys(
-    ("frame_bg", "frame_bg_hovered", "frame_bg_active", "slider_grab", "slider_grab_active"), CLEAR
-)
-DIGITS = 2  # significant digits of a logarithmic slider
-
-
 class Moved(Enum):
     """The state of a slider's change."""
 
     NOT = 0
     MOVING = 1  # a new value while it is held
-    DONE = 2  # released, or typed
+    DONE = 2  # released, or typed after a click with Ctrl
 
 
 @dataclass(frozen=True)
 class Range:
-    """The range of a slider.
-
-    A logarithmic one may begin at 0: then 1 is added to all values.
-    """
+    """The range of a slider."""
 
     low: float
     high: float
     log: bool = False
     whole: bool = False
 
-    def position(self, value: float) -> float:
-        """Return the position of a value, 0 at the left and 1 at the right."""
-        low, high, value = self._bend(self.low), self._bend(self.high), self._bend(value)
-        return min(max((value - low) / (high - low), 0.0), 1.0)
 
-    def value(self, position: float) -> float:
-        """Return the rounded value at a position."""
-        low, high = self._bend(self.low), self._bend(self.high)
-        value = low + (high - low) * position
-        if self.log:
-            value = round_to(math.exp(value) - (self.low <= 0), DIGITS)
-        else:
-            value = round_to(value, 3, of=self.high - self.low)
-        value = min(max(value, self.low), self.high)
-        return round(value) if self.whole else value
+def slider(gui: Gui, name: str, span: Range, value: float, form: str) -> tuple[Moved, float]:
+    """Build a line with a label and a slider; return whether it moved, and to what.
 
-    def _bend(self, value: float) -> float:
-        if not self.log:
-            return value
-        return math.log(max(value, self.low) + (self.low <= 0))
-
-
-def round_to(value: float, digits: int, of: float | None = None) -> float:
-    """Round to a number of significant digits, of the value or of the size of another."""
-    size = abs(value if of is None else of)
-    return round(value, digits - 1 - math.floor(math.log10(size))) if size > 0 else 0.0
-
-
-def slider(
-    gui: Gui, name: str, span: Range, value: float, write: Callable[[float], str]
-) -> tuple[Moved, float]:
-    """Build one line: label, slider, number; return whether it moved, and to what.
-
-    `write` formats a value. A typed number may be outside the range.
+    `form` formats a value, as in C. A click with Ctrl makes the slider a text field, in
+    which a number may be outside the range.
     """
-    with imgui_ctx.push_id(name):
-        label(name)
-        moved, value = _track(gui, name, span, value)
-        imgui.same_line(0.0, GAP)
-        typed = _number(gui, name, write(value))
-    if typed is not None:
-        return Moved.DONE, round(typed) if span.whole else typed
-    return moved, value
+    label(name)
+    return bare_slider(gui, name, span, value, form, width())
 
 
-def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float]:
-    """Build the slider: input by ImGui, own drawing."""
-    storage, kept = imgui.get_state_storage(), imgui.get_id("position")
-    position = span.position(value)
-    imgui.set_next_item_width(width() - NUMBER - GAP)
-    with imgui_ctx.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB), colours(**HIDDEN):
-        flags = imgui.SliderFlags_.no_input
-        changed, new = imgui.slider_float("##track", position, 0.0, 1.0, "", flags)
+def bare_slider(
+    gui: Gui, name: str, span: Range, value: float, form: str, across: float
+) -> tuple[Moved, float]:
+    """Build a slider of a width without a label, as `slider` does."""
+    flags = imgui.SliderFlags_.logarithmic if span.log else 0
+    storage, kept = imgui.get_state_storage(), imgui.get_id(f"last value of {name}")
+    imgui.set_next_item_width(across)
+    new: float
+    if span.whole:
+        ends = int(span.low), int(span.high)
+        changed, new = imgui.slider_int(f"##{name}", int(value), *ends, form, flags)
+    else:
+        changed, new = imgui.slider_float(f"##{name}", value, span.low, span.high, form, flags)
     gui.mark(name)
-    moved, active = Moved.NOT, imgui.is_item_active()
-    if imgui.is_item_deactivated_after_edit():
-        moved, position = Moved.DONE, storage.get_float(kept)
-    elif active:
-        moved, position = (Moved.MOVING if changed else Moved.NOT), new
+    if changed and span.whole:
+        storage.set_int(kept, int(new))
+    elif changed:
         storage.set_float(kept, new)
-    _draw(position, active=active)
-    return moved, span.value(position) if active or moved is Moved.DONE else value
-
-
-def _draw(position: float, *, active: bool) -> None:
-    """Draw the track, its filled part and a round knob at the last item."""
-    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    off = imgui.get_style().alpha < 0.9  # disabled
-    draw, y = imgui.get_window_draw_list(), round((low.y + high.y) / 2)
-    first, last = low.x + PADDING + KNOB, high.x - PADDING - KNOB
-    x = first + (last - first) * position
-    draw.add_line((first, y), (last, y), rgba(RAISED), 3.0)
-    draw.add_line((first, y), (x, y), rgba(RAISED if off else FILLED), 3.0)
-    lit = active or imgui.is_item_hovered()
-    colour = RAISED if off else TEXT if active else ACCENT
-    draw.add_circle_filled((x, y), KNOB + (1.0 if lit and not off else 0.0), rgba(colour))
-
-
-def _number(gui: Gui, name: str, text: str) -> float | None:
-    """Build the number as a text field without a frame; return a typed number."""
-    room, padding = max(width(), 8.0), imgui.get_style().frame_padding
-    size = imgui.ImVec2(room, imgui.get_frame_height())
-    low, editing = imgui.get_cursor_screen_pos(), imgui.get_id("##number")
-    lit = imgui.is_mouse_hovering_rect(low, low + size)
-    frame, left = vec(RAISED), padding.x
-    if imgui.internal.get_active_id() != editing:  # flush right, until it is edited
-        frame, left = CLEAR, room - imgui.calc_text_size(text).x
-    colour = vec(ACCENT if lit else TEXT)
-    flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
-    imgui.set_next_item_width(room)
-    with (
-        colours(frame_bg=frame, text=colour),
-        imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, (left, padding.y)),
-    ):
-        entered, words = imgui.input_text("##number", text, flags)
-    gui.mark(f"{name} number")
-    try:
-        number = float(words.replace(",", "").replace("\u2212", "-"))
-    except ValueError:
-        return None
-    return number if entered and math.isfinite(number) else None
+    if imgui.is_item_deactivated_after_edit():
+        last: float = storage.get_int(kept) if span.whole else storage.get_float(kept)
+        return Moved.DONE, last
+    return (Moved.MOVING, new) if changed else (Moved.NOT, value)
