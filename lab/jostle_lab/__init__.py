@@ -80,6 +80,9 @@ def show(
     >>> world = jostle.World([(0, 0), (9, 1)], radii=2, gravity=(0, 100))
     >>> later = jostle_lab.show(world)  # doctest: +SKIP
     """
+    import os
+
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     import jostle
     from jostle_lab import interrupt
     from jostle_lab.cli.runs import Opened, open_window

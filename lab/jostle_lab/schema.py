@@ -316,8 +316,7 @@ class Settings:
     container_restitution: Sides | None = setting(
         None,
         "restitution of the container",
-        "of all its sides, or of those at min x, max x, min y and max y; that of the particle "
-        "unless given",
+        "of all sides, or at min x, max x, min y and max y; that of the particle unless given",
     )
     wall_friction: Coefficient | None = setting(
         None, "wall friction", "of walls drawn in the window; that of the particles unless given",
@@ -456,13 +455,8 @@ def sentence(error: ValidationError, kind: Any, within: str = "", known: Iterabl
 
 def _number(limit: object) -> str:
     """Return a limit in the form 1e+18 or 1,000."""
-    return (
-        f"{limit:,}"
-        if isinstance(limit, int)
-        else f"{limit:g}"
-        if isinstance(limit, float)
-        else str(limit)
-    )
+    form = "," if isinstance(limit, int) else "g" if isinstance(limit, float) else ""
+    return format(limit, form)
 
 
 def _fields_at(kind: Any, path: Iterable[str | int]) -> list[str]:

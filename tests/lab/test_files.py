@@ -18,6 +18,7 @@ from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.storage import files
+from jostle_lab.storage.config import read_config
 from jostle_lab.storage.files import new_path
 
 
@@ -283,6 +284,19 @@ def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None
     assert len(sums) == len(session.runner.statistics.sums) > 5
     assert {"time", "kinetic", "potential", "momentum_x"} <= set(sums[0])
     assert float(sums[-1]["kinetic"]) == session.runner.statistics.sums["kinetic"][-1]
+
+
+def test_settings_that_were_tuned_in_the_window_are_a_file_to_run(session: Session) -> None:
+    for name, value in (("gravity", (3.0, 40.0)), ("drag", 0.25), ("n", 50), ("substeps", 3)):
+        session.runner.adjust(name, value)
+    session.view_options.trails = True
+    session.files.save_settings()
+    (path,) = session.files.folder.glob("gas-*.toml")
+    assert session.message == f"Saved {path}"
+    config = read_config(path)
+    assert config.settings == session.settings and config.view_options["trails"] is True
+    world = start(config.settings).world
+    assert world.gravity.tolist() == [3, 40] and (world.drag, len(world)) == (0.25, 50)
 
 
 def test_csv_of_nothing(session: Session) -> None:

@@ -127,6 +127,7 @@ def test_a_table_of_another_sweep_is_refused(sweep, tmp_path: Path) -> None:
     [
         (["--measure", "colour"], "--measure colour is not a measure"),
         (["--set", "weight=1"], "--set is 'weight=1'"),
+        (["--set", "drg=1"], "--set is 'drg=1'; drg is not a number to vary; did you mean drag?"),
         (["--set", "drag=0,-1"], "--set is 'drag=0,-1'; drag is -1.0; it must be"),
         (["--seeds", "0"], "Invalid value for '--seeds'"),
         (["--workers", "0"], "Invalid value for '--workers'"),

@@ -6,19 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jostle
-from jostle_lab.schema import SCALARS, kind_of, wrong
+from jostle_lab.schema import SCALARS, kind_of, unknown, wrong
+
+#: Settings without effect on the results, or with an option of their own.
+NOT_SWEPT = {"seed", "threads", "time_scale", "wall_friction"}
 
 #: The settings that a sweep varies: those that are one number, and the factor of all initial
-#: velocities. The others have no effect on the results, or an option of their own.
+#: velocities.
 SETTINGS = (
-    *(
-        name
-        for name in SCALARS
-        if "number" in kind_of(name)
-        and name not in ("seed", "threads", "time_scale", "wall_friction")
-    ),
+    *(name for name in SCALARS if "number" in kind_of(name) and name not in NOT_SWEPT),
     "speed",
 )
+
+#: Those of them that are whole numbers.
+WHOLE = {name for name in SCALARS if kind_of(name) == "whole number"}
 
 #: Values of one setting at most.
 _MOST_VALUES = 100_000
@@ -57,9 +58,10 @@ def parse(text: str) -> tuple[str, list[float]]:
         The name and the values; those of a range include both ends.
     """
     name, equals, given = text.partition("=")
-    if not equals or name not in SETTINGS:
-        known = ", ".join(SETTINGS)
-        raise PlanError(f"--set is {text!r}; it must be NAME=VALUES, and NAME one of {known}")
+    if not equals:
+        raise PlanError(f"--set is {text!r}; it must be NAME=VALUES")
+    if name not in SETTINGS:
+        raise PlanError(f"--set is {text!r}; {name} {unknown(name, 'a number to vary', SETTINGS)}")
     try:
         if ":" in given:
             first, last, count = given.split(":")
@@ -69,11 +71,7 @@ def parse(text: str) -> tuple[str, list[float]]:
     except ValueError:
         rule = "the values are FIRST:LAST:COUNT, or numbers with commas between them"
         raise PlanError(f"--set is {text!r}; {rule}") from None
-    if (
-        name != "speed"
-        and kind_of(name) == "whole number"
-        and all(value.is_integer() for value in values)
-    ):
+    if name in WHOLE and all(value.is_integer() for value in values):
         values = [int(value) for value in values]
     for value in values:
         why = _not_finite(value) if name == "speed" else wrong(name, value)
