@@ -40,7 +40,9 @@ class Runner:
         self._camera, self._interaction, self._messages = camera, interaction, messages
         self.picture, self.statistics = Picture(), Statistics()  # of the present simulation
         self.race: Race | None = None  # the comparison with another method
-        self._before_race: Scene | None = None  # returns when the race ends
+        # They return when the race ends.
+        self._before_race: Scene | None = None
+        self._undo_before = engine.undo
         self.paused = False
         self.speed = 1.0  # simulated seconds per second of real time, averaged
         self._time = 0.0  # of the last frame
@@ -121,6 +123,7 @@ class Runner:
         before = self._before_race
         if rival and before is None:
             before = Scene(engine.simulation, engine.frame, engine.history)
+            self._undo_before, engine.undo = engine.undo, engine.undo.copy()
         self._show(scene)
         if rival:
             self._before_race = before
@@ -186,16 +189,19 @@ class Runner:
     # Undo
 
     def undo(self) -> None:
-        """Restore the state before the last edit; during a race, end the race."""
-        self._restore(partial(self.engine.undo.undo, history=self.history))
+        """Restore the state before the last edit; of a comparison, that before it."""
+        if self.race:
+            self.end_race()
+        else:
+            self._restore(partial(self.engine.undo.undo, history=self.history))
 
     def redo(self) -> None:
         """Restore the state that the last undo has left."""
+        self.end_race()
         self._restore(partial(self.engine.undo.redo, history=self.history))
 
     def _restore(self, work: Callable[[Simulation], object]) -> None:
         self._interaction.drag_tool.drop()
-        self.end_race()
         self.engine.edit(work, changes=False)
         self.collect()
 
@@ -228,6 +234,7 @@ class Runner:
             self.end_race()
         else:
             self.race = Race(self.engine, method)
+            self.engine.history = None  # so that both sides only make steps
             self._camera.divide(2)
 
     def end_race(self) -> None:
@@ -235,6 +242,7 @@ class Runner:
         self._close_race()
         if self._before_race:
             self._show(self._before_race)
+            self.engine.undo = self._undo_before
 
     def _close_race(self) -> None:
         if self.race:

@@ -141,6 +141,7 @@ def test_the_race_ends_and_the_scene_before_it_returns_bit_for_bit(
     run(window, 3)
     session.runner.adjust("restitution", 0.5)  # which begins both again
     session.engine.wait_for_loading()
+    session.interaction.commands.delete(np.array([5]))  # which undo does not bring back later
     run(window, 3)
     session.runner.paused = True
     session.runner.toggle_race()

@@ -12,7 +12,7 @@ import jostle
 from jostle_lab.act.interaction import DragTool
 from jostle_lab.schema import Settings
 from jostle_lab.simulate import engine, start
-from jostle_lab.simulate.engine import MAX_STEPS, Engine, FixedTimestep
+from jostle_lab.simulate.engine import LONGEST, MAX_STEPS, Engine, FixedTimestep
 from jostle_lab.simulate.simulation import Inputs, Simulation
 
 MANY = 200_000
@@ -392,13 +392,20 @@ def test_slow_steps_end_a_job_after_its_budget(monkeypatch) -> None:
     engine_ = Engine(world_of(TWO), synchronous=True)
     step = engine_.simulation.step
     monkeypatch.setattr(engine_.simulation, "step", lambda inputs: time.sleep(0.02) or step(inputs))
-    assert engine_.advance(0.05, Inputs()) == 2
+    assert engine_.advance(0.02, Inputs(), paused=True) == 0
+    engine_.advance(0.02, Inputs())
+    engine_._timestep.add(0.05)
+    assert engine_.advance(0.02, Inputs()) == 2
 
 
 def test_a_slow_machine_slows_simulated_time_and_one_near_sixty_hertz_does_not() -> None:
     pace = FixedTimestep(STEP)
     assert [count(pace, 1 / 59.94), count(pace, 0.017), count(pace, 0.016)] == [1, 1, 1]
-    assert count(pace, 10.0) == MAX_STEPS
+    assert count(pace, 10.0) == round(LONGEST / STEP)
+    for _ in range(10):
+        pace.add(STEP)
+    assert pace.due == MAX_STEPS
+    pace.take(MAX_STEPS)
     assert count(pace, 0.0) == 0
     assert count(pace, STEP) == 1
 

@@ -22,7 +22,8 @@ T = TypeVar("T")
 Create = Callable[[], Simulation]
 
 SWITCH_INTERVAL = 0.001  # seconds after which a thread releases the interpreter
-MAX_STEPS = 3  # steps at real time; more are dropped, so simulated time slows down if they are slow
+MAX_STEPS = 3  # due steps at real time in a short frame; more are dropped if steps are slow
+LONGEST = 0.25  # seconds of real time in a frame; longer if the machine was suspended
 BUDGET = 0.025  # seconds of steps per frame, so that the window stays responsive
 UNLIMITED = 10_000  # steps of a job that runs as fast as possible
 SMOOTH = 0.2  # weight of a new measurement
@@ -75,8 +76,9 @@ class FixedTimestep:
         self._time_step, self._accumulated = time_step, 0.0
 
     def add(self, elapsed: float, speed: float = 1.0) -> None:
-        """Add seconds of real time at a speed; what exceeds the limit of steps is dropped."""
-        most = MAX_STEPS * max(speed, 1.0) * self._time_step
+        """Add seconds of real time at a speed; what exceeds the limits is dropped."""
+        elapsed = min(elapsed, LONGEST)
+        most = max(MAX_STEPS * self._time_step, elapsed) * max(speed, 1.0)
         self._accumulated = min(self._accumulated + elapsed * speed, most)
 
     @property
@@ -292,8 +294,9 @@ class Engine:
         if self.last_step is not None:
             due = min(due, self.last_step - self.steps)
         if due > 0 and not self.error and not paused:
-            # A slow window gives both sides of a comparison more time alike.
-            self._start(due, max(BUDGET, elapsed) if self.unlimited else BUDGET)
+            # Where drawing is slow, steps have as much time as a frame; so both sides of a
+            # comparison have more time alike.
+            self._start(due, max(BUDGET, min(elapsed, LONGEST)))
         else:
             self.poll()
         return self.steps - before
