@@ -1,6 +1,7 @@
 """Numbers over time: times, pairs, energy and momentum, their change, and the lines of plots."""
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -34,27 +35,31 @@ MOMENTA = ("time", "momentum_x", "momentum_y")
 
 
 class Series:
-    """At most `most` rows with named columns; `table` is (names, rows), oldest first."""
+    """At most `most` rows with named columns, oldest first."""
 
     def __init__(self, names: Sequence[str], most: int) -> None:
-        self.names, self.most = tuple(names), most
-        self.table: Floats = np.zeros((len(self.names), 0))
+        self.names = tuple(names)
+        self._rows = deque[tuple[float, ...]](maxlen=most)
 
     def __len__(self) -> int:
-        return len(self.table[0])
+        return len(self._rows)
 
     def add(self, *values: float) -> None:
-        before = self.table[:, max(len(self) + 1 - self.most, 0) :]
-        self.table = np.column_stack([before, values])
+        self._rows.append(values)
 
     def drop(self, rows: int) -> None:
         """Remove the newest rows."""
-        self.table = self.table[:, : max(len(self) - rows, 0)]
+        for _ in range(min(rows, len(self))):
+            self._rows.pop()
+
+    @property
+    def table(self) -> Floats:
+        """Return the rows as an array, (names, rows)."""
+        return np.array(self._rows, np.float64).reshape(-1, len(self.names)).T
 
     def __getitem__(self, name: str) -> Floats:
-        """Return a column as a view."""
-        column: Floats = self.table[self.names.index(name)]
-        return column
+        at = self.names.index(name)
+        return np.array([row[at] for row in self._rows], np.float64)
 
 
 @dataclass(frozen=True)

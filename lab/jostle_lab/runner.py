@@ -23,7 +23,6 @@ from jostle_lab.simulate.start import start
 # Settings whose change does work on the particles, or shifts the zero of their energy.
 CHANGES_ENERGY = {"n", "gravity", "world_size", "container"}
 SLOWEST, FASTEST = 1 / 32, 8.0  # times real time
-SPEED_TIME = 0.5  # seconds over which the speed is averaged
 RESTARTED = (
     "The scene starts again with its settings; drawn walls, attractors and added particles are "
     "gone. Ctrl+Z brings them back."
@@ -44,7 +43,6 @@ class Runner:
         self._before_race: Scene | None = None
         self._undo_before = engine.undo
         self.paused = False
-        self.speed = 1.0  # simulated seconds per second of real time, averaged
         self._time = 0.0  # of the last frame
         self._count: int | None = None  # the number of particles that was set last
         self._saved = engine.undo.edits
@@ -271,29 +269,22 @@ class Runner:
         if changed:
             engine.refresh()
 
-    def follow(self, elapsed: float, steps: int) -> None:
-        """Update everything else after a number of finished steps."""
+    def follow(self, elapsed: float) -> None:
+        """Update everything else after the engine has advanced."""
         if self.race:
             self.race.advance(0.0 if self.paused else elapsed, self.engine.request)
         self.collect()
         self._show_errors()
-        self._follow(elapsed, steps)
-        self.statistics.follow(
-            self.engine.frame, self._messages.now, elapsed,
-            running=not self.paused, step_seconds=self.engine.whole_seconds,
-        )  # fmt: skip
-
-    def _follow(self, elapsed: float, steps: int) -> None:
-        """Update what depends on the last frame."""
         time = self.engine.frame.stats.time
         if time < self._time:
             self.picture = Picture()  # trails of a later time
         self._time = time
-        if elapsed > 0 and not self.paused:
-            weight = min(elapsed / SPEED_TIME, 1.0)
-            self.speed += (steps * self.engine.time_step / elapsed - self.speed) * weight
         self._camera.follow(self.engine.view)
         self._interaction.follow()
+        self.statistics.follow(
+            self.engine.frame, self._messages.now, elapsed,
+            running=not self.paused, step_seconds=self.engine.whole_seconds,
+        )  # fmt: skip
 
     def _show_errors(self) -> None:
         """Pause after an error of a step, and show its message."""

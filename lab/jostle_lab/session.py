@@ -79,7 +79,7 @@ class Session:
         request = replace(request, tree=request.tree or self.question.pair is not None)
         self.runner.prepare(request)
         steps = self.engine.advance(elapsed, inputs, paused=self.runner.paused)
-        self.runner.follow(elapsed, steps)
+        self.runner.follow(elapsed)
         self._measure_rate(steps, elapsed)
         self.files.follow()
         return steps

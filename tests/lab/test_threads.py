@@ -417,4 +417,4 @@ def test_eight_times_real_time_is_eight_steps_a_frame() -> None:
     driver.session.runner.scale_time(8.0)
     driver.frames(120)
     assert driver.session.engine.steps == pytest.approx(8 * 120, abs=8)
-    assert driver.session.runner.speed == pytest.approx(8.0, rel=0.05)
+    assert driver.session.rate == pytest.approx(8.0, rel=0.05)

@@ -98,7 +98,6 @@ def _rewind(session: Session, gui: Gui) -> None:
 
 
 TITLE = 21.0
-NEAR_REAL_TIME = 0.1  # a speed that differs less is not shown
 LIFE = "Particle life"
 OPEN = {"Scenes", LIFE, "World"}  # the others are folded at first
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
@@ -138,8 +137,8 @@ def _title(session: Session) -> None:
     if session.runner.paused:
         with ui.colours(text=vec(ACCENT)):
             ui.at_right("paused")
-    elif abs(session.runner.speed - 1.0) > NEAR_REAL_TIME:
-        ui.at_right(f"{session.runner.speed:.2g} × real time", quiet=True)
+    else:
+        _slowness(session)
     with ui.colours(text=vec(TEXT_SOFT)):
         count = np.count_nonzero(session.frame.movable)  # without the discs of walls
         words = f"{count:,} particles · {METHODS[session.settings.method]}"
