@@ -108,8 +108,10 @@ class Runner:
     def _take_loaded(self) -> None:
         """Continue with a new scene, if there is one."""
         engine = self.engine
-        if engine.loading and engine.loading.name and not self.race and engine.busy:
-            return  # the scene before a race is kept, so no thread may use it
+        if engine.loading and engine.loading.name and not self.race:
+            engine.poll()
+            if not engine.idle:
+                return  # the scene before a race is kept, so no thread may use it
         loaded = engine.take_loaded()
         if loaded is None:
             return
@@ -117,7 +119,6 @@ class Runner:
         if isinstance(scene, str):
             self._messages.say(scene)
             return
-        engine.poll()
         before = self._before_race
         if rival and before is None:
             before = Scene(engine.simulation, engine.frame, engine.history)

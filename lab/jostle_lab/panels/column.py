@@ -137,8 +137,6 @@ def _title(session: Session) -> None:
     if session.runner.paused:
         with ui.colours(text=vec(ACCENT)):
             ui.at_right("paused")
-    else:
-        _slowness(session)
     with ui.colours(text=vec(TEXT_SOFT)):
         count = np.count_nonzero(session.frame.movable)  # without the discs of walls
         words = f"{count:,} particles · {METHODS[session.settings.method]}"

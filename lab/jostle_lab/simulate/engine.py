@@ -232,6 +232,11 @@ class Engine:
     def busy(self) -> bool:
         return self._job is not None and not self._job.done()
 
+    @property
+    def idle(self) -> bool:
+        """Whether no thread uses the simulation, and nothing is requested."""
+        return self._job is None and not self._requested
+
     # Inputs
 
     def edit(
